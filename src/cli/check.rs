@@ -31,6 +31,7 @@ use property::regressions::{self, Regression};
 
 use expectations::RunExpectations;
 use page::Pages;
+pub(super) use page::write_site;
 use profile::Choice;
 use progress::{Progress, Task};
 use screen::Screen;

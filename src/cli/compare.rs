@@ -1,11 +1,11 @@
 //! `shadercheck compare`: the same function in two texts, whatever language each is written in.
 
-mod pairs;
 mod version;
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use anyhow::Context as _;
 use clap::Args;
 
 use super::check::profile;
@@ -16,7 +16,9 @@ use super::includes::IncludedText;
 use super::status::ExitStatus;
 use super::{StageName, translate};
 use base::diagnostic::Lang;
-use engine::compare::{self, Compared, Request};
+use base::text::Shown as _;
+use disk::fresh;
+use engine::compare::{self, Compared, Pairing, Request};
 use engine::fuzz::Subject;
 use engine::suite::run::DEFAULT_SEED;
 use judge::profile::Profile;
@@ -31,7 +33,8 @@ const SAMPLES: u64 = 1 << 14;
 #[command(after_long_help = "\
 Each pair of functions gets the same inputs, those that the first is likely to get. In real numbers the two mean the same, or \
 the smallest input is shown for which they do not. Bounds say how far a conforming device may be off in each, and lanes run \
-both. Parameters are matched by name, or by place where all types are the same.
+both. Functions belong together by name and by the types of their parameters, where \
+`cubic2` of WGSL is the `cubic` of GLSL that takes a `vec2`. Parameters are matched by name, or by place where all types are the same.
 
 Exit status: 0 all pairs mean the same; 1 some do not, or a text does not compile; 2 usage, or nothing could be compared.")]
 pub struct CompareArgs {
@@ -41,7 +44,8 @@ pub struct CompareArgs {
     /// Another one, in any language
     #[arg(value_name = "SECOND")]
     pub second: String,
-    /// Only functions of this name; `NAME=OTHER` where the second has another name for it; repeatable
+    /// Only functions of this name, or one of several by its types: `cubic(vec2)`; `NAME=OTHER` where the second has another
+    /// name for it; repeatable
     #[arg(long, value_name = "NAME")]
     pub function: Vec<String>,
     /// Stage of both texts, where their endings do not say it or say another
@@ -78,6 +82,10 @@ pub struct CompareArgs {
     /// Compare only this case, as a report's `reproduce` line gives it; needs --function
     #[arg(long, value_name = "INPUTS", requires = "function")]
     pub case: Option<String>,
+    /// Write the comparison here as a page (`index.html`) with charts of both functions, their difference and their bounds over
+    /// each input, and as `report.json`
+    #[arg(long, value_name = "DIR")]
+    pub report_dir: Option<PathBuf>,
     /// How the result is printed
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
@@ -101,10 +109,10 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
         None => anyhow::bail!("--profile: a comparison needs bounds; `none` has none"),
     });
     let profiles = profiles.collect::<anyhow::Result<Vec<_>>>()?;
-    let wanted = pairs::wanted(&args.function)?;
     let sides = [made(&texts[0], &args.define, err)?, made(&texts[1], &second_defines, err)?];
     let [Some(firsts), Some(seconds)] = &sides else { return Ok(ExitStatus::Findings) };
-    let (pairs, unpaired) = pairs::of([firsts, seconds], &wanted)?;
+    let Pairing { pairs, unpaired } =
+        compare::pairing([firsts, seconds], &args.function).map_err(anyhow::Error::msg)?;
     let mut summary =
         Summary { texts: texts.each_ref().map(|t| t.name.clone()), seed: args.seed, ..Summary::default() };
     summary.unpaired = unpaired;
@@ -118,6 +126,7 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
         case: args.case.clone(),
         profiles: profiles.iter().map(AsRef::as_ref).collect::<Vec<&Profile>>(),
         command: command(args),
+        curves: args.report_dir.is_some(),
     };
     let mut inputs = Inputs::new(&stated);
     for pair in pairs {
@@ -131,6 +140,9 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
     summary.interrupted = interrupt::signal();
     if summary.interrupted.is_none() {
         inputs.all_used()?;
+    }
+    if let Some(folder) = &args.report_dir {
+        page(folder, &summary)?;
     }
     match args.format {
         Format::Text => out.write_all(text(&summary, color).as_bytes())?,
@@ -160,6 +172,14 @@ fn made(
         err.write_all(report::diagnostics::text(error, Lang::En, false).as_bytes())?;
     }
     Ok(errors.is_empty().then_some(subjects))
+}
+
+/// Writes the page of a comparison, with its charts.
+fn page(folder: &Path, summary: &Summary) -> anyhow::Result<()> {
+    let site = report::html::comparison(summary).map_err(anyhow::Error::msg).context("cannot draw the page")?;
+    super::check::write_site(folder, site)?;
+    let path = folder.join("report.json");
+    fresh::write(&path, json(summary).as_bytes()).with_context(|| format!("cannot write `{}`", path.shown()))
 }
 
 /// The command line up to the function.

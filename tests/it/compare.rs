@@ -51,6 +51,119 @@ fn three_slips_are_found_with_their_smallest_input() {
     assert!(again.out.contains("1 of 1 samples mean something else"), "{}", again.out);
 }
 
+/// The names of the pairs of a report.
+fn names(report: &Value) -> Vec<String> {
+    let name = |pair: &Value, side: &str| pair[side]["function"].as_str().unwrap().to_owned();
+    let pairs = report["pairs"].as_array().unwrap().iter();
+    pairs.map(|pair| format!("{} = {}", name(pair, "first"), name(pair, "second"))).collect()
+}
+
+#[test]
+fn overloads_pointers_and_values_are_paired_and_equal() {
+    for (texts, turned) in [("overloads.glsl overloads.wgsl", false), ("overloads.wgsl overloads.glsl", true)] {
+        let report = compared(&format!("{texts} --format json")).expect(0).json();
+        assert_eq!(report["pairs"].as_array().unwrap().len(), 5, "{texts}: {:?}", names(&report));
+        for pair in report["pairs"].as_array().unwrap() {
+            assert_eq!((&pair["unlike"], &pair["not_compared"]), (&0.into(), &Value::Null), "{pair}");
+            assert!(pair["equal"].as_u64().unwrap() > 4000, "{pair}");
+        }
+        let alone = report["unpaired"].as_array().unwrap();
+        assert_eq!((alone.len(), &alone[0]["function"]), (1, &"smoothed(float, float)".into()), "{alone:?}");
+        assert_eq!(alone[0]["text"], if turned { "second" } else { "first" });
+        assert!(alone[0]["why"].as_str().unwrap().contains("other parameters"), "{alone:?}");
+    }
+}
+
+#[test]
+fn slips_in_overloads_pointers_and_values_are_found() {
+    let report = compared("overloads.glsl overload_slips.wgsl --format json").expect(1).json();
+    let unlike: Vec<String> = names(&report)
+        .into_iter()
+        .zip(report["pairs"].as_array().unwrap())
+        .filter(|(_, pair)| pair["unlike"].as_u64().unwrap() > 0)
+        .map(|(name, _)| name)
+        .collect();
+    assert_eq!(unlike, ["smoothed(vec2) = smoothed2", "nearest = nearest", "turned = turned"]);
+    let line = pair(&report, "smoothed(vec2)")["smallest"]["reproduce"].as_str().unwrap().to_owned();
+    let again = run_reported(&root().join("fixtures/compare"), &line, &["--lane", "embedded"]).expect(1);
+    assert!(again.out.contains("1 of 1 samples mean something else"), "{}", again.out);
+}
+
+#[test]
+fn one_overload_is_chosen_by_its_types_in_the_words_of_any_language() {
+    for types in ["vec2", "vec2f", "float2"] {
+        let ran = compared(&format!("overloads.glsl overload_slips.wgsl --function smoothed({types}) --format json"));
+        assert_eq!(names(&ran.expect(1).json()), ["smoothed(vec2) = smoothed2"]);
+    }
+    let all = compared("overloads.glsl overloads.wgsl --function smoothed --format json").expect(0).json();
+    assert_eq!((names(&all).len(), all["unpaired"].as_array().unwrap().len()), (3, 1));
+    let err = compared("overloads.glsl overloads.wgsl --function smoothed(mat2)").expect(2).err;
+    assert!(err.contains("no function `smoothed(mat2)`") && err.contains("smoothed(vec2)"), "{err}");
+}
+
+#[test]
+fn inputs_are_named_as_the_first_text_declares_them() {
+    let glsl = compared("functions.glsl slips.wgsl").expect(1).out;
+    assert!(glsl.contains("smallest   vec2 v = 1.0, 0.0"), "{glsl}");
+    let wgsl = compared("slips.wgsl functions.glsl").expect(1).out;
+    assert!(wgsl.contains("smallest   v: vec2f = 1.0, 0.0") && !wgsl.contains("vec2 v"), "{wgsl}");
+    let report = compared("slips.wgsl functions.glsl --format json").expect(1).json();
+    let input = &pair(&report, "heading")["smallest"]["inputs"][0];
+    assert_eq!((&input["name"], &input["declared"]), (&"vec2 v".into(), &"v: vec2f".into()));
+}
+
+#[test]
+fn the_page_has_charts_of_both_their_difference_and_their_bounds() {
+    let folder = tempfile::tempdir().unwrap();
+    let to = folder.path().join("page");
+    let ran = compared(&format!("functions.glsl slips.wgsl --report-dir {}", to.display())).expect(1);
+    assert!(ran.out.contains("UNLIKE"), "{}", ran.out);
+    let page = fs::read_to_string(to.join("index.html")).unwrap();
+    for part in
+        ["3 of 4 functions mean something else", "wrapAngle", "Smallest inputs that show it", "allowed error, in ULP"]
+    {
+        assert!(page.contains(part), "{part}");
+    }
+    // One number, two components, four of twelve, one number: three charts of each.
+    assert_eq!(page.matches("<svg ").count(), 3 * (1 + 2 + 4 + 1));
+    for over in ["values", "difference", "bounds"] {
+        for ending in ["svg", "png"] {
+            assert!(to.join(format!("plots/wrapAngle-0-x-{over}.{ending}")).is_file(), "{over}.{ending}");
+        }
+    }
+    let report: Value = serde_json::from_str(&fs::read_to_string(to.join("report.json")).unwrap()).unwrap();
+    assert_eq!(report["status"], "fail");
+}
+
+/// The chapter's shaders in GLSL, without those whose copies in WGSL are fed otherwise: weights as a vector, a stage of its
+/// own for hair.
+const CHAPTER: [&str; 11] = [
+    "chapter9/bone_weight.glsl",
+    "chapter9/cylinder.vert",
+    "chapter9/joints.vert",
+    "chapter9/morph.vert",
+    "chapter9/segment_distance.glsl",
+    "chapter9/sphere.vert",
+    "chapter9/two_bones.vert",
+    "hair/cardinal.glsl",
+    "hair/catmull_rom.glsl",
+    "hair/hermite.glsl",
+    "hair/kochanek_bartels.glsl",
+];
+
+#[test]
+fn the_chapter_means_the_same_in_both_of_its_languages() {
+    for path in CHAPTER {
+        let name = path.split(['/', '.']).nth(1).unwrap();
+        let texts = format!("shaders/{path} fixtures/languages/{name}.wgsl");
+        let ran = run_in(root(), &format!("compare {texts} --lane embedded --samples 256 --format json"));
+        let report = ran.expect(0).json();
+        let pairs = report["pairs"].as_array().unwrap();
+        assert_eq!(pairs.len(), 1, "{path}: {report}");
+        assert!(pairs[0]["equal"].as_u64().unwrap() > 128, "{path}: {report}");
+    }
+}
+
 #[test]
 fn a_version_in_git_stands_beside_the_file_of_today() {
     let folder = tempfile::tempdir().unwrap();

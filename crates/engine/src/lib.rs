@@ -7,7 +7,10 @@ pub mod catalogue;
 pub mod compare;
 pub mod fuzz;
 pub mod guess;
+mod input_value;
 pub mod mutate;
 pub mod session;
 pub mod shard;
 pub mod suite;
+
+pub use input_value::InputValue;

@@ -10,7 +10,7 @@ use disk::fresh;
 use engine::suite::run::{Gallery, Prepared, Promised, Report, Request, Summary, gallery, promised};
 use judge::profile::Promises;
 use lanes::{Lane, LaneError, Stage};
-use report::html::{self, Page, Subject};
+use report::html::{self, Page, Site, Subject};
 
 /// What a page is made of, for a folder of reports.
 #[derive(Default)]
@@ -96,12 +96,20 @@ impl Pages {
         let (subjects, galleries) = (&self.subjects[..], &self.galleries[..]);
         let page = Page { summary, subjects, galleries, promises: &promises, mutations: self.mutations.as_ref() };
         let site = html::write(&page).map_err(anyhow::Error::msg).context("cannot draw the page")?;
-        let plots = folder.join("plots");
-        std::fs::create_dir_all(&plots).with_context(|| format!("cannot make the folder `{}`", plots.shown()))?;
-        let index = std::iter::once((folder.join("index.html"), site.index.into_bytes()));
-        for (path, bytes) in index.chain(site.plots.into_iter().map(|(name, bytes)| (plots.join(name), bytes))) {
-            fresh::write(&path, &bytes).with_context(|| format!("cannot write `{}`", path.shown()))?;
-        }
-        Ok(())
+        write_site(folder, site)
     }
+}
+
+/// Writes the files of a page into a folder, which is made.
+///
+/// # Errors
+/// When a file cannot be written.
+pub(in crate::cli) fn write_site(folder: &Path, site: Site) -> anyhow::Result<()> {
+    let plots = folder.join("plots");
+    std::fs::create_dir_all(&plots).with_context(|| format!("cannot make the folder `{}`", plots.shown()))?;
+    let index = std::iter::once((folder.join("index.html"), site.index.into_bytes()));
+    for (path, bytes) in index.chain(site.plots.into_iter().map(|(name, bytes)| (plots.join(name), bytes))) {
+        fresh::write(&path, &bytes).with_context(|| format!("cannot write `{}`", path.shown()))?;
+    }
+    Ok(())
 }

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::Pair;
-use crate::fuzz::{InputValue, inputs};
+use crate::InputValue;
 use base::value::{Batch, Scalar, ulp_at};
 use judge::profile::Profile;
 use judge::verdict::{Limiter, Limits};
@@ -59,6 +59,8 @@ pub(super) struct Gauge<'a> {
     profile: &'a Profile,
     ratios: Vec<f64>,
     accuracy: Accuracy,
+    /// The sample with the widest bound of either.
+    widest: Option<(f64, Sample)>,
 }
 
 impl<'a> Gauge<'a> {
@@ -72,7 +74,7 @@ impl<'a> Gauge<'a> {
             widest: [None, None],
             gains: [None, None],
         };
-        Self { pair, profile, ratios: Vec::new(), accuracy }
+        Self { pair, profile, ratios: Vec::new(), accuracy, widest: None }
     }
 
     /// Takes the samples of a batch in, as both functions get them.
@@ -81,8 +83,15 @@ impl<'a> Gauge<'a> {
         for k in 0..batch.invocation_count() {
             let both = [bounds[0][k], bounds[1][k]];
             let known = both.map(|bound| bound.relative.is_finite());
+            let most = (0..2).filter(|&side| known[side]).map(|side| both[side].ulp).fold(0.0, f64::max);
+            if most > self.widest.as_ref().map_or(0.0, |(widest, _)| *widest) {
+                self.widest = Some((most, Sample::of(batch, k)));
+            }
             let accuracy = &mut self.accuracy;
-            let worst = || Worst { inputs: inputs(&Sample::of(batch, k)), ulp: both.map(|bound| bound.ulp) };
+            let worst = || Worst {
+                inputs: InputValue::all(&Sample::of(batch, k), &self.pair.sides[0].program),
+                ulp: both.map(|bound| bound.ulp),
+            };
             for side in 0..2 {
                 if known[side] {
                     keep(&mut accuracy.widest[side], |kept| both[side].ulp > kept.ulp[side], &worst);
@@ -105,6 +114,11 @@ impl<'a> Gauge<'a> {
                 }
             }
         }
+    }
+
+    /// The sample with the widest bound of either.
+    pub(super) fn widest(&mut self) -> Option<Sample> {
+        self.widest.take().map(|(_, sample)| sample)
     }
 
     pub(super) fn finish(mut self) -> Accuracy {

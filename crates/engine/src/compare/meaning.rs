@@ -5,7 +5,8 @@ use std::convert::Infallible;
 
 use super::accuracy::beyond;
 use super::{Compared, Pair};
-use crate::fuzz::{Domain, InputValue, Shrinking, Within, inputs};
+use crate::InputValue;
+use crate::fuzz::{Domain, Shrinking, Within};
 use base::value::Batch;
 use judge::profile::{Profile, Promises};
 use judge::verdict::{JudgeContext, Reason, Verdict, What, unlike};
@@ -131,14 +132,14 @@ impl Meanings {
         differing
     }
 
-    /// Shrinks what differs, and writes what was found.
+    /// Shrinks what differs, and writes what was found; gives the smallest sample.
     pub(super) fn finish(
         self,
         pair: &Pair<'_>,
         domain: &Domain,
         reproduce: &dyn Fn(&Sample) -> String,
         compared: &mut Compared,
-    ) {
+    ) -> Option<Sample> {
         let open: u64 = self.reasons.values().sum();
         compared.equal = self.samples - open - self.count;
         compared.undetermined = self.reasons.into_iter().collect();
@@ -147,7 +148,7 @@ impl Meanings {
         let first: Vec<Sample> =
             self.kept.into_iter().filter(|(of, _)| *of == realistic).map(|(_, sample)| sample).collect();
         if first.is_empty() {
-            return;
+            return None;
         }
         let mut differs = |samples: &[Sample]| -> Result<Vec<bool>, Infallible> {
             let batch = Sample::batch(samples);
@@ -164,11 +165,12 @@ impl Meanings {
         };
         let plain = |sample: &Sample| shrink::Domain::simplest(&Shrinking { domain, within }, sample);
         let simpler = |a: &Sample, b: &Sample| shrink::complexity(a, &plain(a)).cmp(&shrink::complexity(b, &plain(b)));
-        let Some(sample) = shrunk.into_iter().map(|one| one.sample).min_by(simpler) else { return };
+        let sample = shrunk.into_iter().map(|one| one.sample).min_by(simpler)?;
         let batch = Sample::batch(std::slice::from_ref(&sample));
         let found = pair.standing(&batch, &pair.fed(&batch)).remove(&0);
-        let Some(Standing::Unlike(output, values, message)) = found else { return };
-        let (inputs, reproduce) = (inputs(&sample), reproduce(&sample));
+        let Some(Standing::Unlike(output, values, message)) = found else { return None };
+        let (inputs, reproduce) = (InputValue::all(&sample, &pair.sides[0].program), reproduce(&sample));
         compared.smallest = Some(Unlike { inputs, output, values, message, realistic, reproduce });
+        Some(sample)
     }
 }

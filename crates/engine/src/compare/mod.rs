@@ -8,8 +8,10 @@
 //! ```
 
 mod accuracy;
+mod curve;
 mod meaning;
 mod on_lanes;
+mod pairing;
 mod resolution;
 
 use crate::fuzz::{Domain, Ready, Subject, batch, given, stream_key};
@@ -20,8 +22,10 @@ use lanes::{Lane, interrupt};
 use property::{Sample, regressions};
 
 pub use accuracy::{Accuracy, Worst};
+pub use curve::{Curve, Point};
 pub use meaning::Unlike;
 pub use on_lanes::OnLane;
+pub use pairing::{Pairing, Unpaired, pairing};
 pub use resolution::Resolution;
 
 /// Samples of one batch.
@@ -43,6 +47,8 @@ pub struct Request<'p> {
     pub profiles: Vec<&'p Profile>,
     /// The command line up to the function, for reproduction.
     pub command: String,
+    /// Whether both are followed over their inputs, for charts.
+    pub curves: bool,
 }
 
 /// What came of a pair of functions.
@@ -73,6 +79,8 @@ pub struct Compared {
     pub resolution: Option<[Resolution; 2]>,
     /// Outputs of lanes.
     pub lanes: Vec<OnLane>,
+    /// Both over components of their inputs, where that was asked for.
+    pub curves: Vec<Curve>,
 }
 
 impl Compared {
@@ -115,6 +123,7 @@ pub fn run(
         accuracy: Vec::new(),
         resolution: None,
         lanes: Vec::new(),
+        curves: Vec::new(),
     };
     let pair = match bind(subjects) {
         Ok(pair) => pair,
@@ -160,7 +169,13 @@ pub fn run(
         let inputs = regressions::inputs_text(sample);
         format!("{} --function {function} --seed {} --case '{inputs}'", request.command, request.seed)
     };
-    meaning.finish(&pair, domain, &reproduce, &mut compared);
+    let smallest = meaning.finish(&pair, domain, &reproduce, &mut compared);
+    if request.curves {
+        let around = smallest.or_else(|| accuracy.iter_mut().find_map(accuracy::Gauge::widest));
+        let around = around.or_else(|| Some(Sample::of(&drawn(ready, domain, key, (0, 1), true), 0)));
+        let profile = request.profiles[0];
+        compared.curves = around.map_or_else(Vec::new, |at| curve::curves(&pair, profile, domain, key, &at));
+    }
     compared.accuracy = accuracy.into_iter().map(accuracy::Gauge::finish).collect();
     compared.resolution = if case.is_none() { resolution::of(&pair, domain, key) } else { None };
     compared.lanes = on.into_iter().map(on_lanes::Both::finish).collect();

@@ -1,7 +1,7 @@
 //! What lanes give of two functions.
 
 use super::Pair;
-use crate::fuzz::{InputValue, inputs};
+use crate::InputValue;
 use base::value::{Batch, Scalar, ulp_at};
 use lanes::{Actual, Lane, LaneName, Runner};
 use property::Sample;
@@ -81,7 +81,7 @@ impl<'a> Both<'a> {
             }
             self.report.same += u64::from(far == 0.0);
             if far > self.report.farthest.as_ref().map_or(0.0, |(most, _)| *most) {
-                self.report.farthest = Some((far, inputs(&Sample::of(batch, k))));
+                self.report.farthest = Some((far, InputValue::all(&Sample::of(batch, k), &self.pair.sides[0].program)));
             }
         }
     }

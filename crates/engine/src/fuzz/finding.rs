@@ -1,6 +1,7 @@
 //! What a run of one function gives.
 
 use super::domain::{Law, Standing};
+use crate::InputValue;
 use judge::verdict::BatchVerdict;
 use judge::verdict::diagnosis::{Diagnosis, Place};
 use lanes::LaneName;
@@ -157,17 +158,6 @@ impl Part {
             Self::Hostile => "hostile",
         }
     }
-}
-
-/// One input of a case.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct InputValue {
-    /// Type and name.
-    pub name: String,
-    /// The words.
-    pub bits: Vec<u32>,
-    /// The values in decimal.
-    pub decimal: Vec<String>,
 }
 
 /// One thing that was found.

@@ -2,8 +2,8 @@
 
 use super::domain::{Domain, Shrinking, Within};
 use super::finding::{Finding, FuzzFindingKind, LaneReport, Part, Severity};
-use super::shrinking::inputs;
 use super::subject::Ready;
+use crate::InputValue;
 use base::value::{Batch, Scalar};
 use judge::profile::Promises;
 use judge::verdict::diagnosis::{self, Diagnosis, Suspected};
@@ -163,7 +163,7 @@ impl<'a> OnLane<'a> {
         if let Some(sample) = self.unstable.first() {
             findings.push(Finding {
                 count: self.unstable_count,
-                inputs: inputs(sample),
+                inputs: InputValue::all(sample, &self.ready.program),
                 reproduce: Some(reproduce(sample)),
                 ..blank(
                     FuzzFindingKind::NotDeterministic,
@@ -234,7 +234,7 @@ impl<'a> OnLane<'a> {
                 let message = "a sample deviated, and agreed when it was run again".to_owned();
                 findings.push(Finding {
                     count: 1,
-                    inputs: inputs(&sample),
+                    inputs: InputValue::all(&sample, &self.ready.program),
                     reproduce: Some(reproduce(&sample)),
                     ..blank(FuzzFindingKind::NotDeterministic, message)
                 });
@@ -262,7 +262,7 @@ impl<'a> OnLane<'a> {
                 diagnosis::lane(&context, &self.ready.program, &suspected).unwrap_or_else(|_| Diagnosis::default());
             findings.push(Finding {
                 count: self.verdicts.deviated + self.hostile.deviated,
-                inputs: inputs(&sample),
+                inputs: InputValue::all(&sample, &self.ready.program),
                 output: Some(output.clone()),
                 meaning: deviation.value().map(|v| v.meaning),
                 found: deviation.value().map(|v| v.actual),

@@ -24,11 +24,10 @@ mod subject;
 mod wrapper;
 
 pub use domain::{Domain, InputDomain, Interval, Law, MODERATE, Shrinking, Stated, Within};
-pub use finding::{Finding, FunctionReport, FuzzFindingKind, InputValue, LaneReport, Part, Severity};
+pub use finding::{Finding, FunctionReport, FuzzFindingKind, LaneReport, Part, Severity};
 pub use generate::batch;
 pub use hint::{FORMS, option};
 pub use modules::subjects_of_module;
 pub use run::{Request, given, run, stream_key};
 pub use scan::{LIMIT, ROUNDS, Trouble};
-pub use shrinking::inputs;
 pub use subject::{BadHint, Ready, Subject, subjects};

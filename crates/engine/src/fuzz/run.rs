@@ -8,8 +8,9 @@ use super::generate;
 use super::lanes::OnLane;
 use super::name::{Key, Named, applied, decimal, name, place, undefined};
 use super::scan::{LIMIT, Look, ROUNDS, Trouble, scan};
-use super::shrinking::{inputs, smallest};
+use super::shrinking::smallest;
 use super::subject::{Ready, Subject};
+use crate::InputValue;
 use base::value::{Batch, Record};
 use judge::profile::{Op, Promises};
 use judge::verdict::{Fenced, Oracle, Reference, edges};
@@ -387,7 +388,7 @@ fn add_findings(
         let Some(named) = named else { continue };
         let mut finding = finding(looked, severity, &named, &sample, &group, reproduce);
         if named.kind == FuzzFindingKind::IllConditioned && request.case.is_none() {
-            finding.worst = Some((group.worst.0, inputs(&group.worst.1)));
+            finding.worst = Some((group.worst.0, InputValue::all(&group.worst.1, &ready.program)));
         }
         report.findings.push(finding);
     }
@@ -430,7 +431,7 @@ fn finding(
         lane: None,
         count: group.count,
         counting: group.counting,
-        inputs: inputs(sample),
+        inputs: InputValue::all(sample, &ready.program),
         output: real.then_some(output),
         meaning: real.then_some(named.meaning),
         found: real.then_some(named.strict.to_bits()),

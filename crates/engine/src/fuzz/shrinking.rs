@@ -3,12 +3,11 @@
 use std::convert::Infallible;
 
 use super::domain::{Domain, Shrinking, Within};
-use super::finding::InputValue;
 use super::name::{Key, Named, name};
 use super::scan::{Look, scan};
 use super::subject::Ready;
+use property::Sample;
 use property::shrink::shrink;
-use property::{Sample, regressions};
 
 /// Looks at samples and names their trouble.
 pub fn names(ready: &Ready, samples: &[Sample]) -> Vec<Option<Named>> {
@@ -40,17 +39,4 @@ pub fn smallest(
     };
     let named = names(ready, std::slice::from_ref(&found)).pop().flatten();
     (found, named)
-}
-
-/// The inputs of a sample, for reports.
-pub fn inputs(sample: &Sample) -> Vec<InputValue> {
-    let mut inputs = Vec::new();
-    for (record, words) in [(&sample.invocation_record, &sample.invocation), (&sample.case_record, &sample.case)] {
-        for (k, field) in record.fields().iter().enumerate() {
-            let bits = words[record.range(k)].to_vec();
-            let decimal = bits.iter().map(|&w| regressions::decimal(w, field.shape.scalar)).collect();
-            inputs.push(InputValue { name: format!("{} {}", field.shape, field.name), bits, decimal });
-        }
-    }
-    inputs
 }

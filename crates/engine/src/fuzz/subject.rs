@@ -11,7 +11,7 @@ use base::text::Span;
 use base::value::Field;
 use program::interp::{self, Executable};
 use program::lower::Target;
-use program::{DISCARD, Kernel, Program, ProgramError};
+use program::{DISCARD, Kernel, Parameter, Program, ProgramError};
 use syntax::interface::Storage;
 use syntax::symbols::{FunctionId, FunctionInfo, SymbolId, SymbolKind};
 use syntax::{Shader, Stage};
@@ -20,6 +20,10 @@ use syntax::{Shader, Stage};
 pub struct Subject {
     /// Its name; with the types of its parameters where the file has several of that name.
     pub label: String,
+    /// Its name alone.
+    pub name: String,
+    /// Its parameters; none of a stage or entry point.
+    pub parameters: Vec<Parameter>,
     /// `name:line:column` of its name.
     pub at: String,
     /// The function, ready to run, or why it cannot be run.
@@ -75,7 +79,8 @@ pub fn subjects(shader: &Shader, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Su
             Box::new(Ready { program, kernel, executable, realistic })
         });
         stated.extend(ready.iter().flat_map(|ready| numbers(ready, &ranges, &stated)).collect::<Vec<_>>());
-        subjects.push(Subject { label, at, ready, stated });
+        let parameters = info.params.iter().map(Parameter::of).collect();
+        subjects.push(Subject { label, name: name.clone(), parameters, at, ready, stated });
     }
     Ok(subjects)
 }

@@ -21,7 +21,7 @@ use naga::{Module, ShaderStage};
 
 use std::sync::Arc;
 
-use crate::{Constants, ProgramError};
+use crate::{Constants, Parameter, ProgramError};
 use base::text::{SourceFile, Span};
 use syntax::{Shader, Stage, Token};
 
@@ -51,6 +51,8 @@ pub struct Runnable {
     pub stage: Stage,
     /// The place of its name.
     pub span: Span,
+    /// The parameters of a function; none of an entry point, which a host feeds.
+    pub parameters: Vec<Parameter>,
 }
 
 impl ModuleText {
@@ -116,15 +118,19 @@ impl ModuleText {
             name: point.name.clone(),
             stage: stage_of(point.stage).unwrap_or(Stage::Library),
             span: self.place_of("fn", &point.name),
+            parameters: Vec::new(),
         };
         self.module.entry_points.iter().map(one).collect()
     }
 
     /// Its functions that are no entry points, in the order of the text.
     pub fn functions(&self) -> Vec<Runnable> {
-        let names = self.module.functions.iter().filter_map(|(_, function)| function.name.clone());
-        let one = |name: String| Runnable { stage: Stage::Library, span: self.place_of("fn", &name), name };
-        let mut all: Vec<Runnable> = names.map(one).collect();
+        let one = |(_, function): (_, &naga::Function)| {
+            let name = function.name.clone()?;
+            let parameters = function.arguments.iter().map(|a| Parameter::of_module(&self.module, a.ty)).collect();
+            Some(Runnable { stage: Stage::Library, span: self.place_of("fn", &name), name, parameters })
+        };
+        let mut all: Vec<Runnable> = self.module.functions.iter().filter_map(one).collect();
         // naga has them in the order in which they call each other.
         all.sort_by_key(|function| function.span.start);
         // What a reader makes of an entry point is none of them.

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::text::Style;
 use base::value::{F32Bits, Scalar};
-use engine::suite::run::{Case, Finding, InputValue};
+use engine::suite::run::{Case, Finding};
 use judge::verdict::diagnosis::{CrossCheck, Diagnosis, Place, Stand};
 use judge::verdict::{Blame, Deviation, MEANING, Value};
 
@@ -14,18 +14,6 @@ const WIDE: usize = 87;
 const INPUTS: usize = 10;
 /// Inputs of a case whose bits are shown as well.
 const WITH_BITS: usize = 3;
-
-/// True for the words of an identity matrix in binary32.
-fn is_identity(name: &str, bits: &[u32]) -> bool {
-    let size = match bits.len() {
-        4 => 2,
-        9 => 3,
-        16 => 4,
-        _ => return false,
-    };
-    let one = |k: usize| k.is_multiple_of(size + 1);
-    name.starts_with("mat") && bits.iter().enumerate().all(|(k, &b)| b == if one(k) { 1.0_f32.to_bits() } else { 0 })
-}
 
 /// Words of an input that are shown; a longer one is cut in the middle, the command has it whole.
 const SHOWN: usize = 16;
@@ -63,8 +51,9 @@ fn case_text(text: &mut String, case: &Case, reported: bool) {
         let _ = writeln!(text, "  {label:<9}  as above");
     }
     let shown = if reported { 0 } else { INPUTS };
-    for InputValue { name, bits, decimal } in case.inputs.iter().take(shown) {
-        if is_identity(name, bits) {
+    for input in case.inputs.iter().take(shown) {
+        let (name, bits, decimal) = (input.shown(), &input.bits, &input.decimal);
+        if input.is_identity() {
             let _ = writeln!(text, "  {label:<9}  {name} = identity");
             label = "";
             continue;
@@ -225,18 +214,7 @@ fn sides(text: &mut String, against: &str, deviation: &Deviation, value: &Value)
 
 #[cfg(test)]
 mod tests {
-    use super::{Place, is_identity};
-
-    #[test]
-    fn only_the_identity_is_called_so() {
-        let one = 1.0_f32.to_bits();
-        let mut bits: Vec<u32> = (0..16).map(|k| if k % 5 == 0 { one } else { 0 }).collect();
-        assert!(is_identity("mat4 mc", &bits));
-        assert!(!is_identity("float[16] w", &bits));
-        // -0 is another word than 0.
-        bits[1] = 0x8000_0000;
-        assert!(!is_identity("mat4 mc", &bits));
-    }
+    use super::Place;
 
     fn marked(at: &str, marked: &str, line: &str) -> String {
         let mut text = String::new();

@@ -193,7 +193,7 @@ fn case(case: &Case) -> Value {
         .iter()
         .map(|input| {
             let bits: Vec<String> = input.bits.iter().map(|b| format!("0x{b:08x}")).collect();
-            json!({"name": input.name, "bits": bits, "decimal": input.decimal})
+            json!({"name": input.name, "declared": input.shown(), "bits": bits, "decimal": input.decimal})
         })
         .collect();
     let mut value = json!({"inputs": inputs, "rounds": case.rounds, "candidates": case.tried});

@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 use super::block::one;
 use crate::diagnostics;
 use base::diagnostic::Lang;
-use engine::suite::run::{Entry, Finding, InputValue, Outcome, Report, RunError, Standing, Status, Summary};
+use engine::InputValue;
+use engine::suite::run::{Entry, Finding, Outcome, Report, RunError, Standing, Status, Summary};
 use judge::verdict::Reason;
 
 /// Colours of a terminal; empty strings elsewhere.

@@ -5,7 +5,7 @@ use serde_json::{Map, Value};
 
 use super::Summary;
 use crate::fuzz::{Input, inputs};
-use engine::compare::{Accuracy, Compared, OnLane, Resolution, Unlike, Worst};
+use engine::compare::{Accuracy, Compared, OnLane, Resolution, Unlike, Unpaired, Worst};
 
 #[derive(Serialize)]
 struct Root<'a> {
@@ -14,8 +14,19 @@ struct Root<'a> {
     second: &'a str,
     seed: u64,
     pairs: Vec<Pair<'a>>,
-    only_in_first: &'a [String],
-    only_in_second: &'a [String],
+    /// Functions that have no partner, by name.
+    only_in_first: Vec<&'a str>,
+    only_in_second: Vec<&'a str>,
+    unpaired: Vec<Alone<'a>>,
+}
+
+/// A function without a partner.
+#[derive(Serialize)]
+struct Alone<'a> {
+    text: &'static str,
+    function: &'a str,
+    at: &'a str,
+    why: &'a str,
 }
 
 #[derive(Serialize)]
@@ -97,19 +108,26 @@ struct Outputs<'a> {
 /// The report as one object, with a line break.
 pub fn json(summary: &Summary) -> String {
     let fails = summary.pairs.iter().any(|pair| pair.unlike.0 > 0) || !summary.pairs.iter().any(Compared::is_known);
+    let names = |side: usize| summary.unpaired[side].iter().map(|one| one.function.as_str()).collect();
     let root = Root {
         status: if fails { "fail" } else { "pass" },
         first: &summary.texts[0],
         second: &summary.texts[1],
         seed: summary.seed,
         pairs: summary.pairs.iter().map(pair).collect(),
-        only_in_first: &summary.unpaired[0],
-        only_in_second: &summary.unpaired[1],
+        only_in_first: names(0),
+        only_in_second: names(1),
+        unpaired: (0..2).flat_map(|side| summary.unpaired[side].iter().map(move |one| alone(side, one))).collect(),
     };
     // Strings, numbers and lists: there is nothing that could not be written.
     let mut text = serde_json::to_string_pretty(&root).unwrap_or_default();
     text.push('\n');
     text
+}
+
+fn alone(side: usize, one: &Unpaired) -> Alone<'_> {
+    let why = one.why.as_deref().unwrap_or("the other text has no function of this name");
+    Alone { text: ["first", "second"][side], function: &one.function, at: &one.at, why }
 }
 
 fn pair(pair: &Compared) -> Pair<'_> {

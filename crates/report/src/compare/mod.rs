@@ -3,7 +3,7 @@
 mod json;
 mod text;
 
-use engine::compare::Compared;
+use engine::compare::{Compared, Unpaired};
 
 pub use json::json;
 pub use text::text;
@@ -18,7 +18,7 @@ pub struct Summary {
     /// The pairs of functions, in the order of the first text.
     pub pairs: Vec<Compared>,
     /// Functions of each text that have no partner.
-    pub unpaired: [Vec<String>; 2],
+    pub unpaired: [Vec<Unpaired>; 2],
     /// The signal that ended the run before its time.
     pub interrupted: Option<u8>,
 }

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use super::Summary;
+use engine::InputValue;
 use engine::compare::{Accuracy, Compared, OnLane, Resolution, Unlike, Worst};
-use engine::fuzz::InputValue;
 
 /// The report.
 pub fn text(summary: &Summary, color: bool) -> String {
@@ -30,11 +30,19 @@ pub fn text(summary: &Summary, color: bool) -> String {
             details(&mut text, pair);
         }
     }
+    let mut unpaired = summary.unpaired.iter().flatten().filter_map(|one| Some((one, one.why.as_ref()?))).peekable();
+    if unpaired.peek().is_some() {
+        text.push('\n');
+    }
+    for (one, why) in unpaired {
+        let _ = writeln!(text, "{weak}--    {off}  {:<20} no partner: {why}", one.function);
+    }
     let compared = summary.pairs.iter().filter(|pair| pair.is_known()).count();
     let differ = summary.pairs.iter().filter(|pair| pair.unlike.0 > 0).count();
     let rest = summary.pairs.len() - compared;
     let _ = write!(text, "\n{compared} compared, {differ} unlike, {rest} not compared");
     for (which, names) in ["first", "second"].iter().zip(&summary.unpaired) {
+        let names: Vec<&str> = names.iter().filter(|one| one.why.is_none()).map(|one| one.function.as_str()).collect();
         if !names.is_empty() {
             let _ = write!(text, "; only in the {which}: {}", names.join(", "));
         }
@@ -146,11 +154,14 @@ fn on_lane(text: &mut String, lane: &OnLane) {
     let _ = writeln!(text, "  {:<10} {says}", lane.lane);
 }
 
-/// `x = 1.0; v = 1.0, 2.0`
+/// Inputs that are shown; a command has all of them.
+const INPUTS: usize = 8;
+
+/// `float x = 1.0; vec2 v = 1.0, 2.0`, or `x: f32 = 1.0; v: vec2f = 1.0, 2.0`
 fn inputs(values: &[InputValue]) -> String {
-    let one = |input: &InputValue| {
-        let name = input.name.rsplit(' ').next().unwrap_or(&input.name);
-        format!("{name} = {}", input.decimal.join(", "))
-    };
-    values.iter().map(one).collect::<Vec<_>>().join("; ")
+    let one = |input: &InputValue| format!("{} = {}", input.shown(), input.values());
+    let rest = values.len().saturating_sub(INPUTS);
+    let more = if rest > 0 { format!("; … ({rest} more inputs)") } else { String::new() };
+    let shown: Vec<String> = values.iter().take(INPUTS).map(one).collect();
+    format!("{}{more}", shown.join("; "))
 }

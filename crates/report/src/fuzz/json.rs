@@ -4,7 +4,8 @@ use serde::Serialize;
 
 use super::Summary;
 use base::text::Location;
-use engine::fuzz::{Finding, FunctionReport, InputValue, LaneReport};
+use engine::InputValue;
+use engine::fuzz::{Finding, FunctionReport, LaneReport};
 use judge::verdict::Reason;
 
 #[derive(Serialize)]
@@ -111,7 +112,10 @@ struct Worst<'a> {
 /// An input with its bits and as decimals.
 #[derive(Serialize)]
 pub(crate) struct Input<'a> {
+    /// With its type before it, as GLSL writes it.
     name: &'a str,
+    /// The same as the author's language declares it.
+    declared: &'a str,
     bits: Vec<String>,
     values: &'a [String],
 }
@@ -216,5 +220,8 @@ fn found(finding: &Finding) -> FindingJson<'_> {
 /// The inputs of a sample.
 pub(crate) fn inputs(values: &[InputValue]) -> Vec<Input<'_>> {
     let input = |input: &'_ InputValue| input.bits.iter().map(|b| format!("{b:08x}")).collect();
-    values.iter().map(|value| Input { name: &value.name, bits: input(value), values: &value.decimal }).collect()
+    values
+        .iter()
+        .map(|value| Input { name: &value.name, declared: value.shown(), bits: input(value), values: &value.decimal })
+        .collect()
 }

@@ -6,7 +6,8 @@ use super::{FileReport, Summary};
 use crate::diagnostics;
 use base::diagnostic::Lang;
 use base::value::F32Bits;
-use engine::fuzz::{Finding, FunctionReport, InputValue, LaneReport, Part, Severity};
+use engine::InputValue;
+use engine::fuzz::{Finding, FunctionReport, LaneReport, Part, Severity};
 use judge::verdict::diagnosis::Place;
 
 /// Colours of a terminal; empty strings elsewhere.
@@ -154,7 +155,7 @@ fn unstated(text: &mut String, file: &FileReport, color: bool) {
             let rest = first.inputs.len() - INPUTS.min(first.inputs.len());
             let more = if k + 1 == INPUTS && rest > 0 { format!(" (and {rest} more inputs)") } else { String::new() };
             let taken = taken(function, input);
-            let _ = writeln!(text, "  {label:<10} {} = {}{taken}{more}", input.name, values(input));
+            let _ = writeln!(text, "  {label:<10} {} = {}{taken}{more}", input.shown(), input.values());
             label = "";
         }
         if let Some(command) = &first.reproduce {
@@ -195,11 +196,11 @@ fn one(text: &mut String, function: &FunctionReport, finding: &Finding, color: b
     }
     let mut label = "smallest";
     for input in &finding.inputs {
-        let _ = writeln!(text, "  {label:<10} {} = {}{}", input.name, values(input), taken(function, input));
+        let _ = writeln!(text, "  {label:<10} {} = {}{}", input.shown(), input.values(), taken(function, input));
         label = "";
     }
     if let Some((error, inputs)) = &finding.worst {
-        let all: Vec<String> = inputs.iter().map(|input| format!("{} = {}", input.name, values(input))).collect();
+        let all: Vec<String> = inputs.iter().map(|input| format!("{} = {}", input.shown(), input.values())).collect();
         let _ = writeln!(text, "  worst      relative error {error:.1e}: {}", all.join("; "));
     }
     if let (Some(output), Some(found), Some(lane)) = (&finding.output, finding.found, finding.lane) {
@@ -216,26 +217,6 @@ fn one(text: &mut String, function: &FunctionReport, finding: &Finding, color: b
     if let Some(command) = &finding.reproduce {
         let _ = writeln!(text, "  reproduce  {command}");
     }
-}
-
-/// Values of an input that are shown; the command has all of them.
-const SHOWN: usize = 16;
-
-fn values(input: &InputValue) -> String {
-    let identity = match input.bits.len() {
-        4 => 2,
-        9 => 3,
-        16 => 4,
-        _ => 0,
-    };
-    let one = |k: usize| k.is_multiple_of(identity + 1);
-    let is = |(k, &b): (usize, &u32)| b == if one(k) { 1.0_f32.to_bits() } else { 0 };
-    if identity > 0 && input.name.starts_with("mat") && input.bits.iter().enumerate().all(is) {
-        return "identity".to_owned();
-    }
-    let rest = input.decimal.len().saturating_sub(SHOWN);
-    let shown = input.decimal.iter().take(SHOWN).cloned().collect::<Vec<_>>().join(", ");
-    if rest == 0 { shown } else { format!("{shown}, … ({rest} more)") }
 }
 
 /// The last lines: lanes that were missing, what was not told, and everything counted.

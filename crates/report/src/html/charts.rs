@@ -6,16 +6,18 @@ use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, Value
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::curve::Over;
 use super::raster::Raster;
+use engine::compare::Curve;
 use engine::suite::run::{Errors, LARGEST, SMALLEST, Scene, State};
 
 /// Colours of the light page. In the page each becomes a variable of the style sheet.
 pub(super) const INK: RGBColor = RGBColor(0x1d, 0x23, 0x2b);
-const QUIET: RGBColor = RGBColor(0x5b, 0x66, 0x74);
-const LINE: RGBColor = RGBColor(0xdd, 0xe2, 0xe8);
-const GOOD: RGBColor = RGBColor(0x2f, 0x6d, 0xb5);
+pub(super) const QUIET: RGBColor = RGBColor(0x5b, 0x66, 0x74);
+pub(super) const LINE: RGBColor = RGBColor(0xdd, 0xe2, 0xe8);
+pub(super) const GOOD: RGBColor = RGBColor(0x2f, 0x6d, 0xb5);
 const OPEN: RGBColor = RGBColor(0x9a, 0xa4, 0xb0);
-const BAD: RGBColor = RGBColor(0xc6, 0x2f, 0x2f);
+pub(super) const BAD: RGBColor = RGBColor(0xc6, 0x2f, 0x2f);
 
 /// The same colours with their names in the style sheet.
 const NAMES: [(RGBColor, &str); 6] =
@@ -30,6 +32,8 @@ pub(super) enum Chart<'a> {
     Bounds(&'a Errors),
     /// Errors beside their bounds over the places of a frame.
     Map(&'a Scene, usize),
+    /// Two functions over an input.
+    Curve(&'a Curve, Over),
 }
 
 impl Chart<'_> {
@@ -65,6 +69,7 @@ impl Chart<'_> {
             Self::Errors(_) => (560, 250),
             Self::Bounds(_) => (420, 330),
             Self::Map(..) => (560, 420),
+            Self::Curve(..) => (560, 300),
         }
     }
 
@@ -73,12 +78,13 @@ impl Chart<'_> {
             Self::Errors(errors) => draw_errors(root, errors, scale),
             Self::Bounds(errors) => draw_bounds(root, errors, scale),
             Self::Map(scene, frame) => draw_map(root, scene, *frame, scale),
+            Self::Curve(curve, over) => super::curve::draw(root, curve, *over, scale),
         }
     }
 }
 
-type Area<'a, B> = DrawingArea<B, Shift>;
-type Drawn<B> = Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
+pub(super) type Area<'a, B> = DrawingArea<B, Shift>;
+pub(super) type Drawn<B> = Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
 
 /// Steps of whole numbers, with a label for every so many.
 struct Steps {
@@ -122,7 +128,7 @@ pub(super) fn power(exponent: i32) -> String {
     }
 }
 
-fn text(scale: f64, color: RGBColor) -> TextStyle<'static> {
+pub(super) fn text(scale: f64, color: RGBColor) -> TextStyle<'static> {
     ("sans-serif", 12.0 * scale).into_font().color(&color)
 }
 

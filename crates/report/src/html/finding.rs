@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::text::{Message, count, number};
 use base::value::{F32Bits, Scalar};
-use engine::suite::run::{Case, Finding, FindingKind, InputValue, Report};
+use engine::suite::run::{Case, Finding, FindingKind, Report};
 use judge::verdict::diagnosis::{Diagnosis, Divergence, Fault, Stand};
 use judge::verdict::{Blame, Deviation, Value};
 
@@ -207,37 +207,14 @@ fn parting(divergence: &Divergence) -> Markup {
     }
 }
 
-/// Words of an input that are shown; the command has all.
-const SHOWN: usize = 16;
-
 fn inputs(case: &Case) -> Markup {
-    let shown = |input: &InputValue| {
-        if is_identity(&input.name, &input.bits) {
-            return "identity".to_owned();
-        }
-        let more = input.decimal.len().saturating_sub(SHOWN);
-        let rest = if more > 0 { format!(", … {more} more") } else { String::new() };
-        format!("{}{rest}", input.decimal[..input.decimal.len().min(SHOWN)].join(", "))
-    };
     html! {
         h5 { @if case.tried > 0 { "Smallest inputs that show it" } @else { "Inputs" } }
         table {
-            @for input in &case.inputs { tr { th.mono scope="row" { (input.name) } td.mono { (shown(input)) } } }
+            @for input in &case.inputs { tr { th.mono scope="row" { (input.shown()) } td.mono { (input.values()) } } }
         }
         @if case.tried > 0 {
             p.quiet { "Shrunk in " (case.rounds) " rounds from " (case.tried) " candidates." }
         }
     }
-}
-
-/// True for the words of an identity matrix.
-fn is_identity(name: &str, bits: &[u32]) -> bool {
-    let size = match bits.len() {
-        4 => 2,
-        9 => 3,
-        16 => 4,
-        _ => return false,
-    };
-    let one = |k: usize| if k.is_multiple_of(size + 1) { 1.0_f32.to_bits() } else { 0 };
-    name.starts_with("mat") && bits.iter().enumerate().all(|(k, &b)| b == one(k))
 }

@@ -2,6 +2,8 @@
 //! What is known is in the text of the page; the script turns pictures, filters and copies.
 
 mod charts;
+mod compare;
+mod curve;
 mod data;
 mod finding;
 mod known;
@@ -19,6 +21,8 @@ use serde_json::Value;
 use base::text::SourceFile;
 use engine::suite::run::{Entry, Gallery, Outcome, Promised, Summary};
 use program::InputSource;
+
+pub use compare::write as comparison;
 
 use charts::Chart;
 use text::slug;

@@ -7,12 +7,13 @@ use super::text::{Message, commas, count, printable, script};
 use super::{Page, anchor, fails, suites, way};
 use engine::suite::run::{Finding, FindingKind, Outcome, RunError, Status};
 
-const STYLE: &str = include_str!("style.css");
+pub(super) const STYLE: &str = include_str!("style.css");
 const SCRIPTS: [&str; 4] =
     [include_str!("script.js"), include_str!("scene.js"), include_str!("viewer.js"), include_str!("map.js")];
 
 /// Nothing outside of the page is ever asked for.
-const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:";
+pub(super) const POLICY: &str =
+    "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:";
 
 /// The whole page.
 pub(super) fn page(page: &Page<'_>) -> String {

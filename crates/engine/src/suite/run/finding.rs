@@ -5,7 +5,8 @@ use std::borrow::Cow;
 use super::part::{Failing, Shown, Terms};
 use super::position::{self, Place, Tied};
 use super::trial::Trial;
-use super::{Part, Report, Request, Way, repeat};
+use super::{Part, Prepared, Report, Request, Way, repeat};
+use crate::InputValue;
 use crate::suite::Suite;
 use judge::verdict::diagnosis::{self, Diagnosis, Suspected};
 use judge::verdict::{Blame, Deviation, Reason, Verdict, What, judge_each};
@@ -151,28 +152,9 @@ pub struct Case {
     pub tried: usize,
 }
 
-/// One input of a case.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct InputValue {
-    /// Name, with the type before it.
-    pub name: String,
-    /// The words.
-    pub bits: Vec<u32>,
-    /// The values in decimal, in the order of the words.
-    pub decimal: Vec<String>,
-}
-
 /// A case for a report.
-pub(super) fn case(shrunk: &Shrunk, deviation: Option<Deviation>) -> Case {
-    let sample = &shrunk.sample;
-    let mut inputs = Vec::new();
-    for (record, words) in [(&sample.invocation_record, &sample.invocation), (&sample.case_record, &sample.case)] {
-        for (k, field) in record.fields().iter().enumerate() {
-            let bits = words[record.range(k)].to_vec();
-            let decimal = bits.iter().map(|&w| regressions::decimal(w, field.shape.scalar)).collect();
-            inputs.push(InputValue { name: format!("{} {}", field.shape, field.name), bits, decimal });
-        }
-    }
+pub(super) fn case(program: &Program, shrunk: &Shrunk, deviation: Option<Deviation>) -> Case {
+    let inputs = InputValue::all(&shrunk.sample, program);
     let diagnosis = Diagnosis::default();
     Case { inputs, deviation, against: "formula".into(), diagnosis, rounds: shrunk.rounds, tried: shrunk.tried }
 }
@@ -198,8 +180,9 @@ const FLAKY: &str = "flaky";
 const POSITION: &str = "position";
 
 /// A finding about a sample that deviates by its place in a buffer. It takes the whole batch to show it again.
-pub(super) fn tied(request: &Request, part: &Part, sample: &Sample, tied: Tied, against: &'static str) -> Finding {
+pub(super) fn tied(request: &Request, part: &Part, sample: &Sample, tied: Tied, prepared: &Prepared) -> Finding {
     let Tied { position, deviation, .. } = tied;
+    let against = prepared.reference.noun();
     let message = deviation.message(against);
     let shrunk = unshrunk(sample.clone());
     let diagnosis = Diagnosis { position: Some(position), ..Diagnosis::default() };
@@ -208,7 +191,7 @@ pub(super) fn tied(request: &Request, part: &Part, sample: &Sample, tied: Tied, 
     Finding {
         kind: FindingKind::Deviation,
         message,
-        case: Some(Case { diagnosis, against: against.into(), ..case(&shrunk, Some(deviation)) }),
+        case: Some(Case { diagnosis, against: against.into(), ..case(&prepared.program, &shrunk, Some(deviation)) }),
         count: 0,
         reproduce: Some(format!(
             "shadercheck check {} --lane {} {} --seed {}{samples}{quick}",
@@ -263,7 +246,7 @@ pub(super) fn deviations(
             let found = place.map(|place| position::probe(trial, request, sample, place)).transpose()?.flatten();
             if let Some(found) = found {
                 let words = [&sample.case[..], &sample.invocation[..]].concat();
-                let finding = self::tied(request, part, sample, found.clone(), against);
+                let finding = self::tied(request, part, sample, found.clone(), trial.prepared);
                 shown.push(Shown { number, alike: Some(POSITION.to_owned()), words, finding, sample: None });
                 tied = Some(found);
                 continue;
@@ -271,7 +254,7 @@ pub(super) fn deviations(
         }
         if again.is_flaky() {
             let words = [&sample.case[..], &sample.invocation[..]].concat();
-            let finding = again.finding(request, part, &unshrunk(sample.clone()));
+            let finding = again.finding(&trial.prepared.program, request, part, &unshrunk(sample.clone()));
             shown.push(Shown { number, alike: Some(FLAKY.to_owned()), words, finding, sample: None });
         }
     }
@@ -296,7 +279,7 @@ pub(super) fn deviations(
                 kind: FindingKind::Flaky,
                 message: "flaky: a sample failed, and passed when it was run again: the lane is not deterministic"
                     .to_owned(),
-                case: Some(case(shrunk, None)),
+                case: Some(case(&trial.prepared.program, shrunk, None)),
                 count: 1,
                 reproduce: Some(reproduce(request, part.on(), &shrunk.sample)),
             };
@@ -318,7 +301,11 @@ pub(super) fn deviations(
             // Known when all parts of the run are.
             count: 0,
             reproduce: Some(reproduce(request, part.on(), &shrunk.sample)),
-            case: Some(Case { diagnosis, against: against.into(), ..case(shrunk, Some(deviation)) }),
+            case: Some(Case {
+                diagnosis,
+                against: against.into(),
+                ..case(&trial.prepared.program, shrunk, Some(deviation))
+            }),
         };
         shown.push(Shown { number, alike: Some(what), words, finding, sample: Some(shrunk.sample.clone()) });
     }

@@ -40,7 +40,7 @@ pub use bundle::{Bundle, bundles};
 pub use coverage::{Coverage, check as coverage};
 pub use doubts::Doubtful;
 pub use edges::{Asked, Reach, of as edges_of};
-pub use finding::{Case, Finding, FindingKind, InputValue};
+pub use finding::{Case, Finding, FindingKind};
 pub use gallery::{Axis, Cell, Errors, Gallery, LARGEST, Promised, SMALLEST, Scene, State, Worst, gallery, promised};
 pub use part::Part;
 pub use prepare::{Prepared, RunError, of_module, prepare, prepare_with};

@@ -341,8 +341,7 @@ fn fail(
     let Some(Outcome::Fails(claim)) = outcome else {
         // The same inputs gave another answer: nothing that was found may get lost over it.
         if let Some(tied) = by_place(trial, relation, request, &simplest.sample)? {
-            let against = trial.prepared.reference.noun();
-            part.findings.push(finding::tied(request, part, &simplest.sample, tied, against));
+            part.findings.push(finding::tied(request, part, &simplest.sample, tied, trial.prepared));
             return Ok(());
         }
         part.findings.push(Finding {
@@ -353,7 +352,7 @@ fn fail(
             ),
             count,
             reproduce: Some(finding::reproduce(request, part.on(), &simplest.sample)),
-            case: Some(finding::case(&simplest, None)),
+            case: Some(finding::case(&trial.prepared.program, &simplest, None)),
         });
         return Ok(());
     };
@@ -378,7 +377,7 @@ fn fail(
         ),
         count,
         reproduce: Some(finding::reproduce(request, part.on(), &simplest.sample)),
-        case: Some(finding::Case { diagnosis, ..finding::case(&simplest, None) }),
+        case: Some(finding::Case { diagnosis, ..finding::case(&trial.prepared.program, &simplest, None) }),
     });
     part.failing.push(simplest.sample);
     Ok(())

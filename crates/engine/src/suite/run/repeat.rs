@@ -12,6 +12,7 @@ use super::{Part, Request};
 use base::value::{Batch, Scalar};
 use judge::verdict::{Blame, Deviation, Verdict, dependences, judge_at};
 use lanes::{Actual, LaneError};
+use program::Program;
 use property::shrink::Shrunk;
 use property::{Sample, Sampler};
 
@@ -76,14 +77,14 @@ impl Again {
     }
 
     /// The finding about a flaky sample.
-    pub(super) fn finding(self, request: &Request, part: &Part, shrunk: &Shrunk) -> Finding {
+    pub(super) fn finding(self, program: &Program, request: &Request, part: &Part, shrunk: &Shrunk) -> Finding {
         Finding {
             kind: FindingKind::Flaky,
             message: format!(
                 "flaky: {} of {RUNS} runs of the same inputs gave other bits than the first: the lane is not deterministic",
                 self.other
             ),
-            case: Some(finding::case(shrunk, self.deviation)),
+            case: Some(finding::case(program, shrunk, self.deviation)),
             count: 0,
             reproduce: Some(finding::reproduce(request, part.on(), &shrunk.sample)),
         }
@@ -155,8 +156,7 @@ pub(super) fn check(trial: &mut Trial<'_>, request: &Request, part: &mut Part) -
     let sample = Sample::of(&batch, first);
     let place = Place { at: first, count, per_case: batch.per_case };
     if let Some(tied) = position::probe(trial, request, &sample, place)? {
-        let against = prepared.reference.noun();
-        part.findings.push(finding::tied(request, part, &sample, tied, against));
+        part.findings.push(finding::tied(request, part, &sample, tied, prepared));
         return Ok(());
     }
     let shrunk = finding::unshrunk(sample);
@@ -166,7 +166,7 @@ pub(super) fn check(trial: &mut Trial<'_>, request: &Request, part: &mut Part) -
             "flaky: {} of {count} samples gave other bits when the same batch ran again: the lane is not deterministic",
             other.len()
         ),
-        case: Some(finding::case(&shrunk, None)),
+        case: Some(finding::case(&prepared.program, &shrunk, None)),
         count: other.len() as u64,
         reproduce: Some(finding::reproduce(request, part.on(), &shrunk.sample)),
     });

@@ -63,7 +63,7 @@ fn one(
     let file = &prepared.program.file;
     let place = Place::of(file, literal.span);
     let Rounded { name, meant, digits, .. } = literal;
-    let case = finding::case(&simplest, None);
+    let case = finding::case(&prepared.program, &simplest, None);
     let message = format!(
         "{place} is {name} in {digits} digits, and is judged as {name}: as it is written it moves `{}` by up to {:.1e} \
          ({:.1} ULP){}; write {meant:?}",

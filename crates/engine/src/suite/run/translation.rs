@@ -144,7 +144,7 @@ fn fail(
         ),
         count,
         reproduce: Some(finding::reproduce(request, part.on(), &simplest.sample)),
-        case: Some(finding::case(&simplest, None)),
+        case: Some(finding::case(&prepared.program, &simplest, None)),
     };
     add(part, finding);
     part.failing.push(simplest.sample);

@@ -38,7 +38,7 @@ pub(super) fn findings(
         let words = [&shrunk.sample.case[..], &shrunk.sample.invocation[..]].concat();
         let again = dependences(&prepared.oracle, &Sample::batch(std::slice::from_ref(&shrunk.sample)));
         let found = again.into_iter().flatten().next().unwrap_or(found);
-        let mut case = finding::case(&shrunk, None);
+        let mut case = finding::case(&prepared.program, &shrunk, None);
         case.diagnosis.written = place(prepared, &found);
         let finding = Finding {
             kind: FindingKind::Undefined,
@@ -58,7 +58,7 @@ pub(super) fn findings(
 fn at_failure(prepared: &Prepared, fenced: &Fenced, request: &Request, part: &Part) -> Shown {
     let shrunk = finding::unshrunk(fenced.sample.clone());
     let words = [&shrunk.sample.case[..], &shrunk.sample.invocation[..]].concat();
-    let mut case = finding::case(&shrunk, None);
+    let mut case = finding::case(&prepared.program, &shrunk, None);
     case.diagnosis.written = place(prepared, &fenced.because);
     let finding = Finding {
         kind: FindingKind::Undefined,

@@ -45,7 +45,7 @@ pub(super) fn bind(formula: &'static Formula, program: &Program) -> Result<(Boun
             Some((record.range(index), record.fields()[index].shape.scalar, copies))
         });
         let Some((from, scalar, copies)) = found.next() else {
-            let has = list(records.iter().flat_map(Record::fields));
+            let has = list(program, records.iter().flat_map(Record::fields));
             return Err(ReferenceError::MissingInput { by: by(), name: param.name.into(), ty: type_name(param), has });
         };
         copies.push(Copy { to, from, scalar });
@@ -58,7 +58,7 @@ pub(super) fn bind(formula: &'static Formula, program: &Program) -> Result<(Boun
             by: by(),
             name: param.name.into(),
             ty: type_name(param),
-            has: list(record.fields()),
+            has: list(program, record.fields()),
         })
     };
     let judged = formula.outputs.iter().map(output).collect::<Result<_, _>>()?;
@@ -133,8 +133,9 @@ fn type_name(param: &Param) -> String {
     param.array.map_or_else(|| name.to_owned(), |n| format!("{name}[{n}]"))
 }
 
-/// Fields as messages name them.
-pub(super) fn list<'f>(fields: impl IntoIterator<Item = &'f base::value::Field>) -> String {
-    let names: Vec<String> = fields.into_iter().map(|f| format!("`{} {}`", f.shape, f.name)).collect();
+/// Fields of a program as messages name them.
+pub(super) fn list<'f>(program: &Program, fields: impl IntoIterator<Item = &'f base::value::Field>) -> String {
+    let name = |f: &base::value::Field| format!("`{}`", program.written.declaration(&f.name, f.shape));
+    let names: Vec<String> = fields.into_iter().map(name).collect();
     if names.is_empty() { "none".to_owned() } else { names.join(", ") }
 }

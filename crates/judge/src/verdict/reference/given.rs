@@ -39,7 +39,7 @@ pub(super) fn bind(rules: &[Given], program: &Program) -> Result<Vec<usize>, Ref
         layout.vertex.index_of(&rule.output).ok_or_else(|| ReferenceError::NothingInCommon {
             by: "the expectation".to_owned(),
             gives: format!("`{}`", rule.output),
-            has: list(layout.vertex.fields()),
+            has: list(program, layout.vertex.fields()),
             help: "",
         })
     };

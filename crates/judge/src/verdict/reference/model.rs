@@ -75,22 +75,41 @@ pub(super) fn bind(
     }
     let sources = [program.invocation_record(), program.case_record()];
     let records = [Arc::new(model.invocation_record()), Arc::new(model.case_record())];
-    let by_place = both_functions(model, program) && same_shapes(&records[0], &sources[0]);
+    let functions = both_functions(model, program);
+    // What a pointer points to is given, and what an `out` parameter has before the call is not.
+    let gives = |layout: &Record, field: &Field| layout.fields().contains(field);
+    let unset = |field: &Field| {
+        functions && !gives(&sources[0], field) && gives(&own.vertex, field) && gives(&given.vertex, field)
+    };
+    let named = |field: &Field| {
+        sources.iter().enumerate().find_map(|(case, source)| {
+            let index = source.index_of(&field.name).filter(|&i| source.fields()[i].shape == field.shape)?;
+            Some((case == 1, source.range(index)))
+        })
+    };
+    // Parameters of two functions may have other names, as the pairs of a call have; then all are matched by place.
+    let called: Vec<&Field> = records[0].fields().iter().filter(|field| !unset(field)).collect();
+    let shapes = |fields: &[&Field]| fields.iter().map(|f| f.shape).collect::<Vec<Shape>>();
+    let by_place = functions
+        && shapes(&called) == shapes(&sources[0].fields().iter().collect::<Vec<_>>())
+        && !called.iter().all(|field| named(field).is_some());
     let mut routes = [Vec::new(), Vec::new()];
     for (side, (record, routes)) in records.iter().zip(&mut routes).enumerate() {
+        let mut places = 0..sources[0].fields().len();
         for (k, field) in record.fields().iter().enumerate() {
-            let named = sources.iter().enumerate().find_map(|(case, source)| {
-                let index = source.index_of(&field.name).filter(|&i| source.fields()[i].shape == field.shape)?;
-                Some((case == 1, source.range(index)))
-            });
-            // Parameters of two functions may have other names, as the pairs of a call have.
-            let placed = || (side == 0 && by_place).then(|| (false, sources[0].range(k)));
-            let Some((from_case, from)) = named.or_else(placed) else {
+            if side == 0 && unset(field) {
+                continue;
+            }
+            let from = match by_place && side == 0 {
+                true => places.next().map(|place| (false, sources[0].range(place))),
+                false => named(field),
+            };
+            let Some((from_case, from)) = from else {
                 return Err(ReferenceError::MissingInput {
                     by: by(),
                     name: field.name.clone(),
-                    ty: field.shape.to_string(),
-                    has: list(sources.iter().flat_map(Record::fields)),
+                    ty: model.written.type_name(field.shape),
+                    has: list(program, sources.iter().flat_map(Record::fields)),
                 });
             };
             routes.push(Route { to: record.range(k), from_case, from });
@@ -98,6 +117,10 @@ pub(super) fn bind(
     }
     let (mut judged, mut outputs) = (Vec::new(), Vec::new());
     let all = given.vertex.fields();
+    // What functions give may have other names: a parameter in one text, a value in the other.
+    let placed = functions && output.is_none() && same_shapes(&own.vertex, &given.vertex);
+    let taken = |name: &str| own.vertex.index_of(name).is_some();
+    let placed = placed && all.iter().zip(own.vertex.fields()).all(|(a, b)| a.name == b.name || !taken(&a.name));
     for (k, field) in own.vertex.fields().iter().enumerate() {
         let name = match output {
             Some(name) if field.name == RETURN => name,
@@ -111,20 +134,26 @@ pub(super) fn bind(
         let named = program.output_called(name).or_else(|| program.output_called(&position()?));
         // The value of a function stands for the only output that there is.
         let only = (field.name == RETURN && output.is_none() && all.len() == 1).then_some(0);
-        let Some(index) = named.or(only) else { continue };
+        // A member of the value that one returns is a parameter that the other sets.
+        let member = || match name.strip_prefix("return.") {
+            Some(member) => program.output_called(member),
+            None => program.output_called(&format!("return.{name}")),
+        };
+        let member = || if functions { member() } else { None };
+        let Some(index) = named.or_else(|| placed.then_some(k)).or(only).or_else(member) else { continue };
         if all[index].shape != field.shape {
             return Err(ReferenceError::MissingOutput {
                 by: by(),
                 name: name.to_owned(),
-                ty: field.shape.to_string(),
-                has: list(all),
+                ty: model.written.type_name(field.shape),
+                has: list(program, all),
             });
         }
         judged.push(index);
         outputs.push(own.vertex.range(k));
     }
     if judged.is_empty() {
-        let (gives, has) = (list(own.vertex.fields()), list(all));
+        let (gives, has) = (list(model, own.vertex.fields()), list(program, all));
         let help = "; `output` in [reference] says which output the value of a function stands for";
         let help = if own.vertex.index_of(RETURN).is_some() { help } else { "" };
         return Err(ReferenceError::NothingInCommon { by: by(), gives, has, help });

@@ -62,7 +62,7 @@ impl Recorded {
             layout.vertex.index_of(name).ok_or_else(|| ReferenceError::NothingInCommon {
                 by: self.by.clone(),
                 gives: format!("`{name}`"),
-                has: list(layout.vertex.fields()),
+                has: list(program, layout.vertex.fields()),
                 help: "",
             })
         };
