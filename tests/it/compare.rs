@@ -188,6 +188,43 @@ fn a_version_in_git_stands_beside_the_file_of_today() {
 }
 
 #[test]
+fn a_version_is_not_put_together_with_parts_of_today() {
+    let folder = tempfile::tempdir().unwrap();
+    let git = |arguments: &[&str]| {
+        let who = ["-c", "user.name=a", "-c", "user.email=a@b.invalid"];
+        let done = Command::new("git").args(who).args(arguments).current_dir(folder.path()).output().unwrap();
+        assert!(done.status.success(), "{done:?}");
+    };
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    for (ending, text, part, other) in [
+        (
+            "glsl",
+            "#include \"part.glsl\"\nfloat f(float x) { return g(x); }\n",
+            "float g(float x) { return x; }\n",
+            "float g(float x) { return x + x; }\n",
+        ),
+        (
+            "wgsl",
+            "import package::part::g;\nfn f(x: f32) -> f32 { return g(x); }\n",
+            "fn g(x: f32) -> f32 { return x; }\n",
+            "fn g(x: f32) -> f32 { return x + x; }\n",
+        ),
+    ] {
+        write(&format!("f.{ending}"), text);
+        write(&format!("part.{ending}"), part);
+        git(&["init", "--quiet"]);
+        git(&["add", "."]);
+        git(&["commit", "--quiet", "-m", "one"]);
+        let run = || run_in(folder.path(), &format!("compare HEAD:f.{ending} f.{ending} --lane embedded --samples 64"));
+        run().expect(0);
+        write(&format!("part.{ending}"), other);
+        let err = run().expect(2).err;
+        assert!(err.contains("another one in `HEAD`") && err.contains("git worktree add"), "{err}");
+        write(&format!("part.{ending}"), part);
+    }
+}
+
+#[test]
 fn functions_without_a_value_are_not_called_equal() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("f.glsl"), "float f(float x) { return sqrt(-1.0 - x * x); }\n").unwrap();

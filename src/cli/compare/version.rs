@@ -1,5 +1,6 @@
 //! Texts as git has them: `REVISION:PATH`.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 
@@ -10,11 +11,11 @@ use crate::cli::includes::{self, IncludedText};
 use crate::cli::translate;
 use syntax::Stage;
 
-/// The text of an argument: a file, or `REVISION:PATH` of the repository that the working folder, or the path, lies in. What
-/// a text of a revision includes is read from the folders of today.
+/// The text of an argument: a file, or `REVISION:PATH` of the repository that the working folder, or the path, lies in.
 ///
 /// # Errors
-/// When there is neither such a file nor such a revision, or it cannot be read.
+/// When there is neither such a file nor such a revision, or it cannot be read; and when a file that it includes was another
+/// one at that revision, since only the files of today are found.
 pub(super) fn text(argument: &str, given: &Given<'_>, stage: Option<Stage>) -> anyhow::Result<IncludedText> {
     let path = Path::new(argument);
     let versioned = argument.split_once(':').filter(|(revision, path)| !revision.is_empty() && !path.is_empty());
@@ -23,6 +24,7 @@ pub(super) fn text(argument: &str, given: &Given<'_>, stage: Option<Stage>) -> a
             let bytes = of_revision(revision, file)?;
             let of_file = translate::decoded(file, &bytes).with_context(|| format!("of `{argument}`"))?;
             let mut text = includes::with_includes(&of_file, Path::new(file), given)?;
+            unchanged(revision, file, &text)?;
             (text.name, text.given) = (argument.to_owned(), argument.to_owned());
             text
         }
@@ -30,6 +32,26 @@ pub(super) fn text(argument: &str, given: &Given<'_>, stage: Option<Stage>) -> a
     };
     text.stage = stage.unwrap_or(text.stage);
     Ok(text)
+}
+
+/// Refuses a text whose parts were others at its revision: together with those of today they are no version of anything.
+fn unchanged(revision: &str, file: &str, text: &IncludedText) -> anyhow::Result<()> {
+    let whole = &text.file;
+    let starts = std::iter::once(0).chain(whole.text().match_indices('\n').map(|(at, _)| at + 1));
+    let parts: BTreeSet<String> = starts.map(|at| whole.location(at).file).filter(|name| name != file).collect();
+    for part in parts {
+        let now = std::fs::read(&part).with_context(|| format!("cannot read `{part}`"))?;
+        let changed = match of_revision(revision, &part) {
+            Ok(then) => then != now,
+            Err(_) => true,
+        };
+        anyhow::ensure!(
+            !changed,
+            "`{revision}:{file}` includes `{part}`, which is another one in `{revision}`; compare whole versions: \
+             `git worktree add FOLDER {revision}`, and then the file in FOLDER"
+        );
+    }
+    Ok(())
 }
 
 fn of_revision(revision: &str, file: &str) -> anyhow::Result<Vec<u8>> {
