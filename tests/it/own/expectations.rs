@@ -227,7 +227,7 @@ fn a_function_in_wgsl_says_what_is_right() {
         ("fn f(x: f32) -> f32 { return y; }\n", "model.wgsl:1:30"),
         (
             "@group(0) @binding(0) var<uniform> u: f32;\nfn f(x: f32) -> f32 { return x * u; }\n",
-            "needs an input `u` of type `float`",
+            "needs an input `u` of type `f32`",
         ),
     ] {
         let ran = check(&[("f.glsl", shader), ("model.wgsl", model), ("f.suite.toml", &text)], &[]);
