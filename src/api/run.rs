@@ -226,7 +226,7 @@ fn guessed(shader: &Shader) -> Result<Vec<InputGroup>, Error> {
             let target = shader.entry.clone().map_or(Target::Stage, Target::Function);
             Program::from_source_with(&shader.file, stage, &shader.defines, |_| Ok(target))
         }
-        Written::Wgsl | Written::SpirV | Written::SpirVAssembly => {
+        Written::Wgsl | Written::SpirV | Written::SpirVAssembly | Written::Hlsl | Written::Slang => {
             of_module(&shader.file, shader.stage, shader.entry.as_deref(), &shader.defines)
         }
     };

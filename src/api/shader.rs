@@ -175,7 +175,7 @@ impl Shader {
         let name = name.into();
         let points = match Written::of(&self.file) {
             Written::Glsl => Vec::new(),
-            Written::Wgsl | Written::SpirV | Written::SpirVAssembly => {
+            Written::Wgsl | Written::SpirV | Written::SpirVAssembly | Written::Hlsl | Written::Slang => {
                 suite::read_module(&self.file).map_or_else(|_| Vec::new(), |text| text.points())
             }
         };

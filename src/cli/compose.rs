@@ -1,4 +1,4 @@
-//! Texts in WGSL of several files, for commands that run them.
+//! Texts of several files, and those that a compiler reads, for commands that run them.
 
 use std::path::PathBuf;
 
@@ -8,9 +8,10 @@ use clap::Args;
 use super::translate::read;
 use base::text::SourceFile;
 use compose::Options;
-use engine::suite::Joined;
+use engine::suite::{Asked, Joined};
+use syntax::Stage;
 
-/// What is stated about texts in WGSL that are parts of others.
+/// What is stated about texts in WGSL that are parts of others, and about those that a compiler reads.
 #[derive(Args, Clone, Debug, Default)]
 pub struct ComposeArgs {
     /// File that the host puts before a text in WGSL: what the text does not declare is taken from it; repeatable
@@ -19,6 +20,10 @@ pub struct ComposeArgs {
     /// Give the resources of a text in WGSL a group and a binding where none of them has one, as its host does
     #[arg(long)]
     pub assign_bindings: bool,
+    /// Compiler of texts in HLSL and Slang: a `slangc` or `glslangValidator`; without it, `SHADERCHECK_COMPILER`, or the
+    /// first that is found
+    #[arg(long, value_name = "PROGRAM")]
+    pub compiler: Option<PathBuf>,
 }
 
 /// What is stated about the texts of a command.
@@ -28,8 +33,12 @@ pub struct Given<'a> {
     pub folders: &'a [PathBuf],
     /// Names with values.
     pub defines: &'a [(String, String)],
-    /// What concerns WGSL alone; none where a command has no options for it.
+    /// What concerns some languages; none where a command has no options for it.
     pub wgsl: Option<&'a ComposeArgs>,
+    /// The entry point and the stage that are asked for.
+    pub entry: Option<&'a str>,
+    /// Its stage.
+    pub stage: Option<Stage>,
 }
 
 impl Given<'_> {
@@ -44,6 +53,7 @@ impl Given<'_> {
             preludes: wgsl.with.iter().map(|path| read(path)).collect::<anyhow::Result<_>>()?,
             assign_bindings: wgsl.assign_bindings,
         };
-        Joined::of(file, self.folders, &options).with_context(|| file.name().to_owned())
+        let asked = Asked { entry: self.entry.map(str::to_owned), stage: self.stage, compiler: wgsl.compiler };
+        Joined::of(file, self.folders, &options, &asked).with_context(|| file.name().to_owned())
     }
 }

@@ -130,11 +130,14 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
         "--shard does a part of the functions; --case and --write-suite are for a run without it"
     );
     let stated = stated(&args.domain)?;
-    let reading = Given { folders: &args.include, defines: &args.define, wgsl: Some(&args.compose) };
+    let stage = args.stage.map(syntax::Stage::from);
+    let (folders, defines, wgsl) = (&args.include[..], &args.define[..], Some(&args.compose));
+    let entry = args.function.first().map(String::as_str);
+    let reading = Given { folders, defines, wgsl, entry, stage };
     let sources: Vec<IncludedText> = args
         .files
         .iter()
-        .map(|path| includes::read_all(path, &reading, args.stage.map(syntax::Stage::from)))
+        .map(|path| includes::read_all(path, &reading, stage))
         .collect::<anyhow::Result<Vec<_>>>()?
         .into_iter()
         .flatten()
@@ -297,6 +300,8 @@ pub(super) fn subjects(
             (Err(ProgramError::Source(_)), Some(Ok((text, lacking)))) => {
                 left_out.extend(lacking.iter().filter(|one| wanted(&one.name)).map(|one| Subject {
                     label: one.name.clone(),
+                    name: one.name.clone(),
+                    parameters: Vec::new(),
                     at: one.at.clone(),
                     ready: Err(format!("`{}` is declared nowhere: name its file with `--with FILE`", one.lacks)),
                     stated: Vec::new(),

@@ -7,7 +7,7 @@ use base::diagnostic::{Diagnostic, Severity};
 use base::text::{Assembly, Shown as _, SourceFile, Span};
 use compose::LeftOut;
 use engine::suite::{Includes, Joined, read_module};
-use program::{ModuleText, ProgramError};
+use program::{ModuleText, ProgramError, Written};
 use syntax::{Parsed, Shader, Stage};
 
 /// A file that is run.
@@ -45,7 +45,9 @@ pub fn read(path: &Path, given: &Given<'_>) -> anyhow::Result<IncludedText> {
 /// When a file that it includes, and that is there, cannot be read.
 pub fn with_includes(file: &SourceFile, path: &Path, given: &Given<'_>) -> anyhow::Result<IncludedText> {
     let mut includes = Includes::new(given.folders.to_vec(), "`-I FOLDER`");
-    let joined = given.joined(file)?;
+    // A compiler gets a text with its includes, whose places are known so.
+    let compiled = if Written::of(file).is_compiled() { Some(includes.resolve(file)?) } else { None };
+    let joined = given.joined(compiled.as_ref().unwrap_or(file))?;
     let whole = match &joined {
         Some(joined) => joined.file(file),
         None => includes.resolve(file)?,
@@ -69,6 +71,9 @@ pub fn with_includes(file: &SourceFile, path: &Path, given: &Given<'_>) -> anyho
 pub fn read_all(path: &Path, given: &Given<'_>, stage: Option<Stage>) -> anyhow::Result<Vec<IncludedText>> {
     if let (Some(stage), true) = (stage, path.is_file()) {
         return Ok(vec![IncludedText { stage, ..read(path, given)? }]);
+    }
+    if Written::of_path(&path.to_string_lossy()).is_compiled() {
+        return Ok(vec![read(path, given)?]);
     }
     let Some(printed) = super::document::shaders(path)? else { return Ok(vec![read(path, given)?]) };
     let text = |shader: lint::Printed| {

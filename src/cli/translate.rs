@@ -59,7 +59,9 @@ pub struct TranslateArgs {
 /// # Errors
 /// When a file cannot be read or written.
 pub fn run(args: &TranslateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
-    let stated = Given { folders: &args.include, defines: &args.define, wgsl: Some(&args.compose) };
+    let (folders, defines, entry) = (&args.include[..], &args.define[..], args.entry.as_deref());
+    let stage = args.stage.map(Stage::from);
+    let stated = Given { folders, defines, wgsl: Some(&args.compose), entry, stage };
     let source = super::includes::read(&args.file, &stated)?;
     for note in source.notes() {
         writeln!(err, "note: {note}")?;
@@ -67,7 +69,9 @@ pub fn run(args: &TranslateArgs, out: &mut dyn Write, err: &mut dyn Write) -> an
     let written = Written::of(&source.file);
     let program = match written {
         Written::Glsl => of_glsl(args, source, err)?,
-        Written::Wgsl | Written::SpirV | Written::SpirVAssembly => of_module(args, &source, err)?,
+        Written::Wgsl | Written::SpirV | Written::SpirVAssembly | Written::Hlsl | Written::Slang => {
+            of_module(args, &source, err)?
+        }
     };
     let Some(program) = program else { return Ok(ExitStatus::Findings) };
     let name = program.file.name().to_owned();

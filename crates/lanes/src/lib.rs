@@ -2,6 +2,7 @@
 //! one line of the registry.
 
 pub mod assembler;
+pub mod compiler;
 pub mod embedded;
 pub mod native;
 mod open;

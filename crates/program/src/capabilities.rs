@@ -113,7 +113,7 @@ pub(super) fn asks_for_layers(words: &[u32]) -> bool {
 }
 
 /// The instructions of a module, each with its first word.
-fn instructions(words: &[u32]) -> impl Iterator<Item = &[u32]> {
+pub(super) fn instructions(words: &[u32]) -> impl Iterator<Item = &[u32]> {
     let mut rest = words.get(HEADER..).unwrap_or_default();
     std::iter::from_fn(move || {
         let length = ((*rest.first()? >> 16) as usize).clamp(1, rest.len());

@@ -11,6 +11,7 @@ impl Written {
         match self {
             Self::Glsl | Self::SpirV | Self::SpirVAssembly => shape.to_string(),
             Self::Wgsl => wgsl(shape),
+            Self::Hlsl | Self::Slang => hlsl(shape),
         }
     }
 
@@ -20,6 +21,10 @@ impl Written {
         match self {
             Self::Glsl | Self::SpirV | Self::SpirVAssembly => format!("{ty} {name}"),
             Self::Wgsl => format!("{name}: {ty}"),
+            Self::Hlsl | Self::Slang => match ty.split_once('[') {
+                Some((element, count)) => format!("{element} {name}[{count}"),
+                None => format!("{ty} {name}"),
+            },
         }
     }
 
@@ -63,6 +68,22 @@ impl Written {
         }
         rest.parse().ok().filter(|n| (2..=4).contains(n)).map(|rows| Shape::vector(scalar, rows))
     }
+}
+
+/// The number of rows stands first.
+fn hlsl(shape: Shape) -> String {
+    let scalar = match shape.scalar {
+        Scalar::F32 => "float",
+        Scalar::I32 => "int",
+        Scalar::U32 => "uint",
+        Scalar::Bool => "bool",
+    };
+    let element = match (shape.columns, shape.rows) {
+        (1, 1) => scalar.to_owned(),
+        (1, rows) => format!("{scalar}{rows}"),
+        (columns, rows) => format!("{scalar}{rows}x{columns}"),
+    };
+    shape.array.map_or_else(|| element.clone(), |count| format!("{element}[{count}]"))
 }
 
 fn wgsl(shape: Shape) -> String {
@@ -136,6 +157,9 @@ mod tests {
         assert_eq!(Written::Wgsl.type_name(matrix), "mat4x3f");
         assert_eq!(Written::Wgsl.type_name(Shape::FLOAT.array_of(4)), "array<f32, 4>");
         assert_eq!(Written::Glsl.declaration("x", Shape::VEC3), "vec3 x");
+        assert_eq!(Written::Hlsl.declaration("x", Shape::VEC3), "float3 x");
+        assert_eq!(Written::Slang.declaration("x", Shape::FLOAT.array_of(4)), "float x[4]");
+        assert_eq!(Written::Hlsl.type_name(matrix), "float3x4");
     }
 
     #[test]

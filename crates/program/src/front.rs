@@ -13,6 +13,8 @@ pub const UNSUPPORTED: Code = Code("E801");
 pub const INCOMPLETE: Code = Code("E802");
 /// naga's parser of WGSL refuses the text.
 pub const NAGA: Code = Code("E901");
+/// The compiler of a text in HLSL or Slang refuses it.
+pub const COMPILER: Code = Code("E903");
 /// naga's validator refuses the module.
 pub const VALIDATOR: Code = Code("E902");
 

@@ -60,6 +60,9 @@ pub enum InputError {
         endings()
     )]
     UnknownKind(PathBuf),
+    /// A language that has no rules.
+    #[error("{}: there are no rules for HLSL and Slang; `fuzz` and `compare` run their functions", .0.shown())]
+    NoRules(PathBuf),
     /// A document in which nothing is code of ours.
     #[error("{}: no block of this document is a shader, or C or C++ that calls OpenGL", .0.shown())]
     NoCode(PathBuf),
@@ -220,7 +223,10 @@ fn take(wanted: Vec<(PathBuf, bool)>, loaded: &mut Loaded) {
                 true if has_ending(&path, DOCUMENT_EXTENSIONS.iter().filter(|e| **e != "txt")) => {
                     loaded.skipped.push(InputError::NoCode(path))
                 }
-                true => loaded.problems.push(InputError::UnknownKind(path)),
+                true => loaded.problems.push(match has_ending(&path, ["hlsl", "hlsli", "slang"].iter()) {
+                    true => InputError::NoRules(path),
+                    false => InputError::UnknownKind(path),
+                }),
                 false => {}
             },
             Ok(Decoded { file, .. }) if !named && language == Some(Language::Script) && is_bundle(file.text()) => {

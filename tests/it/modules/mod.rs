@@ -1,5 +1,6 @@
-//! Texts that are read as modules, WGSL and SPIR-V, through every command that takes a shader.
+//! Texts that are read as modules, WGSL, SPIR-V, HLSL and Slang, through every command that takes a shader.
 
+mod compiled;
 mod read;
 mod refused;
 mod suites;

@@ -6,7 +6,7 @@ use super::{folder, languages};
 use crate::binary::{root, run, run_in};
 
 /// Names of the copies.
-const COPIES: [&str; 14] = [
+pub(super) const COPIES: [&str; 14] = [
     "bone_weight",
     "cardinal",
     "catmull_rom",

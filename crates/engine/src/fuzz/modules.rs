@@ -72,7 +72,8 @@ fn subject(text: &ModuleText, values: &[(String, String)], one: Runnable, known:
     let about = known.hints.as_ref().and_then(|hints| Some(hints.about(known.function(&one.name)?)));
     let mut stated = about.unwrap_or_default();
     stated.extend(ready.iter().flat_map(|r| numbers(r, &r.program.ranges, &stated)).collect::<Vec<_>>());
-    Subject { label: one.name.clone(), name: one.name, parameters: one.parameters, at, ready, stated }
+    let name = one.name.split('(').next().unwrap_or_default().to_owned();
+    Subject { label: one.name, name, parameters: one.parameters, at, ready, stated }
 }
 
 fn ready(text: &ModuleText, values: &[(String, String)], one: &Runnable) -> Result<Made, String> {

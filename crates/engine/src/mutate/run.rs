@@ -148,7 +148,9 @@ pub fn run(
 fn parsed(file: &SourceFile, stage: syntax::Stage, suite: &Suite) -> syntax::Parsed {
     match Written::of(file) {
         Written::Wgsl => Shader::parse_wgsl(file),
-        Written::Glsl | Written::SpirV | Written::SpirVAssembly => Shader::parse_with(file, stage, &suite.chosen),
+        Written::Glsl | Written::SpirV | Written::SpirVAssembly | Written::Hlsl | Written::Slang => {
+            Shader::parse_with(file, stage, &suite.chosen)
+        }
     }
 }
 

@@ -117,7 +117,7 @@ pub fn draft(
             let target = subject.entry.clone().map_or(Target::Stage, Target::Function);
             Program::from_source(file, stage, |_| Ok(target))
         }
-        Written::Wgsl | Written::SpirV | Written::SpirVAssembly => {
+        Written::Wgsl | Written::SpirV | Written::SpirVAssembly | Written::Hlsl | Written::Slang => {
             of_module_text(file, subject.stage, subject.entry.as_deref(), &[])
         }
     }

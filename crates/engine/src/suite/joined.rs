@@ -1,4 +1,4 @@
-//! Texts in WGSL of several files.
+//! Texts of several files, or that a compiler reads: WGSL with what it imports, HLSL and Slang.
 
 use std::path::PathBuf;
 
@@ -8,21 +8,40 @@ use compose::{Composed, LeftOut, Options};
 use disk::{ComposeError, Modules};
 use program::{ModuleText, ProgramError, Written};
 
-/// A text in WGSL with what it imports.
+use super::compiled::{Asked, read_compiled};
+
+/// A text in WGSL with what it imports, or one that a compiler reads.
 pub struct Joined {
-    composed: Result<Composed, Vec<Diagnostic>>,
+    made: Made,
     /// Names that are given, and mean something to a file other than the value of a constant.
     stated: Vec<String>,
 }
 
+enum Made {
+    /// A text in WGSL.
+    Composed(Result<Composed, Vec<Diagnostic>>),
+    /// A text in HLSL or Slang, which is compiled when it is read.
+    Compiled { file: SourceFile, folders: Vec<PathBuf>, defines: Vec<(String, String)>, asked: Asked },
+}
+
 impl Joined {
-    /// The text of a file in WGSL with what it imports, which is looked for around it and in `folders`; none for other
-    /// languages.
+    /// The text of a file in WGSL with what it imports, which is looked for around it and in `folders`, or one that a
+    /// compiler reads, whose includes are done; none for other languages.
     ///
     /// # Errors
     /// [`ComposeError::Unreadable`] when a file that is there cannot be read. What is wrong in the files is told when the
     /// text is read.
-    pub fn of(file: &SourceFile, folders: &[PathBuf], options: &Options) -> Result<Option<Self>, ComposeError> {
+    pub fn of(
+        file: &SourceFile,
+        folders: &[PathBuf],
+        options: &Options,
+        asked: &Asked,
+    ) -> Result<Option<Self>, ComposeError> {
+        if Written::of(file).is_compiled() {
+            let (file, folders, defines) = (file.clone(), folders.to_vec(), options.defines.clone());
+            let stated = defines.iter().map(|(name, _)| name.clone()).collect();
+            return Ok(Some(Self { made: Made::Compiled { file, folders, defines, asked: asked.clone() }, stated }));
+        }
         // A text in another language than its ending says is told as such by its reader.
         if Written::of(file) != Written::Wgsl || Written::guessed(file.text()) == Some(Written::Glsl) {
             return Ok(None);
@@ -33,12 +52,17 @@ impl Joined {
             Err(error @ ComposeError::Unreadable(..)) => return Err(error),
         };
         let stated = composed.as_ref().map(|composed| composed.stated.clone()).unwrap_or_default();
-        Ok(Some(Self { composed, stated }))
+        Ok(Some(Self { made: Made::Composed(composed), stated }))
     }
 
     /// The text, or the file itself where something is wrong.
     pub fn file(&self, own: &SourceFile) -> SourceFile {
-        self.composed.as_ref().map_or_else(|_| own.clone(), |composed| composed.file.clone())
+        match &self.made {
+            Made::Composed(composed) => {
+                composed.as_ref().map_or_else(|_| own.clone(), |composed| composed.file.clone())
+            }
+            Made::Compiled { file, .. } => file.clone(),
+        }
     }
 
     /// The text as a module. A text that lacks declarations is told as such, and not as one with errors.
@@ -46,7 +70,12 @@ impl Joined {
     /// # Errors
     /// As of [`ModuleText::read`], and what is wrong with the files.
     pub fn module(&self) -> Result<ModuleText, ProgramError> {
-        let composed = self.composed.as_ref().map_err(|found| ProgramError::Source(found.clone()))?;
+        let composed = match &self.made {
+            Made::Composed(composed) => composed.as_ref().map_err(|found| ProgramError::Source(found.clone()))?,
+            Made::Compiled { file, folders, defines, asked } => {
+                return read_compiled(file, folders, defines, asked).map(|(text, _)| text);
+            }
+        };
         ModuleText::read(&composed.file, Written::Wgsl).map_err(|error| match (error, composed.fragment()) {
             (ProgramError::Source(_), Some(fragment)) => ProgramError::Source(vec![fragment]),
             (error, _) => authored_error(error, composed),
@@ -59,7 +88,7 @@ impl Joined {
     /// # Errors
     /// As of [`ModuleText::read`]: what is wrong beside what is lacking.
     pub fn rest(&self) -> Option<Result<(ModuleText, &[LeftOut]), ProgramError>> {
-        let composed = self.composed.as_ref().ok()?;
+        let Made::Composed(Ok(composed)) = &self.made else { return None };
         let rest = composed.rest.as_ref()?;
         let text = ModuleText::read(&rest.file, Written::Wgsl).map_err(|error| authored_error(error, composed));
         Some(text.map(|text| (text, &rest.left_out[..])))
@@ -75,7 +104,11 @@ impl Joined {
 
     /// What is worth knowing: where names come from that the text does not say.
     pub fn notes(&self) -> Vec<String> {
-        let Ok(composed) = &self.composed else { return Vec::new() };
+        let composed = match &self.made {
+            Made::Composed(Ok(composed)) => composed,
+            Made::Composed(Err(_)) => return Vec::new(),
+            Made::Compiled { file, asked, .. } => return reader(file, asked),
+        };
         let taken = composed.guessed.iter().map(|guess| format!("`{}` is taken from {}", guess.name, guess.file));
         let unused = composed.warnings.iter().map(|w| format!("{}: {}", w.file.locate(w.span.start), &*w.message));
         taken.chain(unused).collect()
@@ -85,6 +118,15 @@ impl Joined {
 fn authored_error(error: ProgramError, composed: &Composed) -> ProgramError {
     let ProgramError::Source(found) = error else { return error };
     ProgramError::Source(found.into_iter().map(|found| authored(found, composed)).collect())
+}
+
+/// Which compiler reads a text.
+fn reader(file: &SourceFile, asked: &Asked) -> Vec<String> {
+    let Ok(compiler) = super::compiled::compiler(Written::of(file), asked.compiler.as_deref()) else {
+        return Vec::new();
+    };
+    let version = compiler.version().map_or_else(|_| String::new(), |version| format!(" {version}"));
+    vec![format!("{} is read by {}{version}; lanes share its reading", file.name(), compiler.name())]
 }
 
 /// A diagnostic with names as their authors write them.

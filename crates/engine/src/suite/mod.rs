@@ -1,6 +1,7 @@
 //! Suites: a shader, the domain of its inputs, the formula that says what it should compute, and
 //! how strictly it is judged. A suite is a TOML file beside its shader.
 
+mod compiled;
 pub mod draft;
 mod error;
 mod expect;
@@ -27,6 +28,7 @@ use property::generators::{self, Options, Strands};
 use property::law::Law;
 use property::{InputGroup, Own, Plan, PlanError};
 
+pub use compiled::Asked;
 pub use error::{LoadError, RunTextureError, SuiteError};
 pub use expect::{Define, Defines, Expect, RecordedFile, ReferenceFile, combinations};
 pub use files::{
@@ -56,6 +58,15 @@ pub enum Stage {
 }
 
 impl Stage {
+    /// The stage of an entry point; none for a function, and for one that modules are not run for.
+    pub(crate) fn of_text(self) -> Option<syntax::Stage> {
+        match self {
+            Self::Vertex => Some(syntax::Stage::Vertex),
+            Self::Fragment => Some(syntax::Stage::Fragment),
+            Self::Geometry | Self::Function => None,
+        }
+    }
+
     /// All stages.
     pub const ALL: [Self; 4] = [Self::Vertex, Self::Geometry, Self::Fragment, Self::Function];
 

@@ -111,6 +111,10 @@ impl ModuleText {
 
     /// The module with this function and what it uses.
     pub(super) fn only_function(&self, name: &str) -> Result<Module, ProgramError> {
+        if let Some((_, span, why)) = self.compiled.left_out.iter().find(|(own, ..)| own == name) {
+            let help = "run a function or an entry point that calls it";
+            return Err(self.error(UNSUPPORTED, *span, format!("`{name}` is not run by itself: {why}"), help));
+        }
         let named = |(_, function): &(Handle<Function>, &Function)| function.name.as_deref() == Some(name);
         let Some((handle, _)) = self.module.functions.iter().find(named) else {
             let (functions, points) = (self.functions(), self.points());

@@ -2,10 +2,11 @@
 //! and come out.
 
 use naga::{
-    AddressSpace, Expression, Function, FunctionArgument, GlobalVariable, Handle, Module, Span, Statement, Type,
-    TypeInner,
+    AddressSpace, Expression, Function, FunctionArgument, GlobalVariable, Handle, MathFunction, Module, Span,
+    Statement, Type, TypeInner,
 };
 
+use super::outline::Way;
 use super::ports::{Part, Ports, at, parts};
 use super::stops::{self, Step, Stops};
 use crate::capture::{Builder, add_global, shape_of};
@@ -45,10 +46,49 @@ pub(super) fn alone(
     };
     let mut given = function.arguments.iter().map(|argument| argument.ty);
     let plainly = given.all(is_plain) && function.result.as_ref().is_none_or(|result| is_plain(result.ty));
-    if stops.is_none() && plainly {
-        return Ok(plain(module, handle, &function));
+    let flips = ports.text.written.is_compiled() && has_matrices(module, &function);
+    if stops.is_none() && plainly && !flips {
+        return Ok(plain(module, handle, &function, &ways(&function, name, ports)));
     }
     Ok(around(module, (handle, name), stops.as_ref(), ports, at))
+}
+
+/// How each argument is passed, where the text says it: a compiler passes values by a pointer as well.
+fn ways(function: &Function, name: &str, ports: &Ports<'_>) -> Vec<Option<Way>> {
+    let params = ports.text.head(name).map(|head| &head.params);
+    let params = params.filter(|params| params.len() == function.arguments.len());
+    (0..function.arguments.len()).map(|k| params.map(|params| params[k].way)).collect()
+}
+
+/// True for a function that takes or gives a matrix.
+fn has_matrices(module: &Module, function: &Function) -> bool {
+    fn holds(module: &Module, ty: Handle<Type>) -> bool {
+        match &module.types[ty].inner {
+            TypeInner::Matrix { .. } => true,
+            TypeInner::Pointer { base, .. } | TypeInner::Array { base, .. } => holds(module, *base),
+            TypeInner::Struct { members, .. } => members.iter().any(|member| holds(module, member.ty)),
+            _ => false,
+        }
+    }
+    let result = function.result.as_ref().map(|result| result.ty);
+    function.arguments.iter().map(|argument| argument.ty).chain(result).any(|ty| holds(module, ty))
+}
+
+/// The type of a transposed matrix; none for other types.
+fn transposed(module: &mut Module, ty: Handle<Type>) -> Option<Handle<Type>> {
+    let TypeInner::Matrix { columns, rows, scalar } = module.types[ty].inner else { return None };
+    let inner = TypeInner::Matrix { columns: rows, rows: columns, scalar };
+    Some(module.types.insert(Type { name: None, inner }, Span::UNDEFINED))
+}
+
+fn transpose(b: &mut Builder, arg: Handle<Expression>) -> Handle<Expression> {
+    b.compute(Expression::Math { fun: MathFunction::Transpose, arg, arg1: None, arg2: None, arg3: None })
+}
+
+/// True for an array of matrices.
+fn is_array_of_matrices(module: &Module, ty: Handle<Type>) -> bool {
+    let TypeInner::Array { base, .. } = module.types[ty].inner else { return false };
+    matches!(module.types[base].inner, TypeInner::Matrix { .. }) || is_array_of_matrices(module, base)
 }
 
 fn own_name(argument: &FunctionArgument, k: usize) -> String {
@@ -56,7 +96,7 @@ fn own_name(argument: &FunctionArgument, k: usize) -> String {
 }
 
 /// Ports of a function as it stands.
-fn plain(module: &Module, handle: Handle<Function>, function: &Function) -> Alone {
+fn plain(module: &Module, handle: Handle<Function>, function: &Function, ways: &[Option<Way>]) -> Alone {
     let (mut inputs, mut outputs) = (Vec::new(), Vec::new());
     let port = |name: String, ty, at| {
         let shape = shape_of(module, ty)?;
@@ -68,10 +108,12 @@ fn plain(module: &Module, handle: Handle<Function>, function: &Function) -> Alon
         let index = k as u32;
         match module.types[argument.ty].inner {
             TypeInner::Pointer { base, .. } => {
-                if !is_out(function, index) {
+                if ways[k].map_or_else(|| !is_out(function, index), |way| way != Way::Out) {
                     inputs.extend(port(name.clone(), base, PortAt::Reference(index)));
                 }
-                outputs.extend(port(name, base, PortAt::Reference(index)));
+                if ways[k] != Some(Way::In) {
+                    outputs.extend(port(name, base, PortAt::Reference(index)));
+                }
             }
             _ => inputs.extend(port(name, argument.ty, PortAt::Argument(index))),
         }
@@ -115,10 +157,16 @@ enum Passed {
     Pointer(Handle<Expression>),
 }
 
+/// A part of an argument: its path, which argument of the function around it that is, and whether it is transposed.
+type Given = (Vec<u32>, usize, bool);
+
 /// An argument of the function: its type, where its parts lie among those of the function around it, how it is passed.
-type Whole = (Handle<Type>, Vec<(Vec<u32>, usize)>, Passed);
+type Whole = (Handle<Type>, Vec<Given>, Passed);
 
 /// A function around it whose arguments are the parts of its arguments, and which keeps what comes out in variables.
+///
+/// The rows of a matrix of HLSL are the columns of the one in the module. What goes in and comes out is what the author
+/// means, with the columns that a matrix has in other languages.
 fn around(
     module: &mut Module,
     (handle, name): (Handle<Function>, &str),
@@ -127,6 +175,7 @@ fn around(
     place: base::text::Span,
 ) -> Alone {
     let function = module.functions[handle].clone();
+    let (ways, flips) = (ways(&function, name, ports), ports.text.written.is_compiled());
     let mut b = Builder::new();
     let (mut inputs, mut arguments, mut wholes) = (Vec::new(), Vec::new(), Vec::new());
     let (mut kept, mut outputs) = (Vec::new(), Vec::new());
@@ -141,7 +190,18 @@ fn around(
         unfed.iter().for_each(|what| ports.not_fed(what, place));
         let mut given = Vec::new();
         for Part { name, path, ty, shape } in found {
-            given.push((path, arguments.len()));
+            if flips && is_array_of_matrices(module, ty) {
+                ports.not_fed(&format!("`{name}`, an array of matrices,"), place);
+                continue;
+            }
+            let flipped = if flips { transposed(module, ty) } else { None };
+            let ty = flipped.unwrap_or(ty);
+            let shape = shape_of(module, ty).unwrap_or(shape);
+            // What is only given back is not fed.
+            if ways[k] == Some(Way::Out) {
+                continue;
+            }
+            given.push((path, arguments.len(), flipped.is_some()));
             let at = PortAt::Argument(arguments.len() as u32);
             arguments.push(FunctionArgument { name: Some(format!("sc_{}", arguments.len())), ty, binding: None });
             inputs.push(Port { field: Field { name, shape }, ty, at, backing: None });
@@ -156,7 +216,9 @@ fn around(
             Some(_) => {
                 let local = b.local(&own, ty);
                 let global = add_global(module, &format!("{own}_after"), AddressSpace::Private, None, ty);
-                kept.push((own, global, Some(local)));
+                if ways[k] != Some(Way::In) {
+                    kept.push((own, global, Some(local)));
+                }
                 Passed::Pointer(local)
             }
         };
@@ -175,19 +237,40 @@ fn around(
             }
         }
     };
-    let mut leave = |module: &Module, ports: &mut Ports<'_>, name: &str, global: Handle<GlobalVariable>| {
+    let mut leave = |b: &mut Builder,
+                     module: &mut Module,
+                     ports: &mut Ports<'_>,
+                     name: &str,
+                     global: Handle<GlobalVariable>| {
         let (mut found, mut unfed) = (Vec::new(), Vec::new());
         parts(module, module.global_variables[global].ty, (name, &[]), &mut found, &mut unfed);
         unfed.iter().for_each(|what| ports.not_fed(what, place));
         for Part { name, path, ty, shape } in found {
-            outputs.push(Port { field: Field { name, shape }, ty, at: at(module, global, &path), backing: None });
+            if flips && is_array_of_matrices(module, ty) {
+                ports.not_fed(&format!("`{name}`, an array of matrices,"), place);
+                continue;
+            }
+            let Some(flipped) = flips.then(|| transposed(module, ty)).flatten() else {
+                outputs.push(Port { field: Field { name, shape }, ty, at: at(module, global, &path), backing: None });
+                continue;
+            };
+            let own = add_global(module, "sc_flipped", AddressSpace::Private, None, flipped);
+            let mut from = b.global(global);
+            for index in path {
+                from = b.member(from, index);
+            }
+            let value = b.load(from);
+            let (value, to) = (transpose(b, value), b.global(own));
+            b.store(to, value);
+            let shape = shape_of(module, flipped).unwrap_or(shape);
+            outputs.push(Port { field: Field { name, shape }, ty: flipped, at: PortAt::Global(own), backing: None });
         }
     };
     if let (Some(ty), Some(value)) = (result, value) {
         let global = add_global(module, "sc_result", AddressSpace::Private, None, ty);
         let pointer = b.global(global);
         b.store(pointer, value);
-        leave(module, ports, RETURN, global);
+        leave(&mut b, module, ports, RETURN, global);
     }
     for (name, global, local) in kept {
         if let Some(local) = local {
@@ -195,7 +278,7 @@ fn around(
             let pointer = b.global(global);
             b.store(pointer, value);
         }
-        leave(module, ports, &name, global);
+        leave(&mut b, module, ports, &name, global);
     }
     outputs.extend(stops.and_then(Stops::output));
     b.statement(Statement::Return { value: None });
@@ -214,7 +297,9 @@ fn called(
 ) -> Option<Handle<Expression>> {
     let mut passed = Vec::new();
     for (ty, parts, way) in wholes {
-        let parts: Vec<(&[u32], Handle<Expression>)> = parts.iter().map(|(path, k)| (&path[..], given[*k])).collect();
+        let mut own = |k: usize, flipped| if flipped { transpose(b, given[k]) } else { given[k] };
+        let parts: Vec<(&[u32], Handle<Expression>)> =
+            parts.iter().map(|(path, k, flipped)| (&path[..], own(*k, *flipped))).collect();
         let value = put_together(b, module, *ty, &[], &parts);
         passed.push(match *way {
             Passed::Value => value,

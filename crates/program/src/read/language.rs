@@ -16,6 +16,10 @@ pub enum Written {
     SpirV,
     /// SPIR-V in assembly.
     SpirVAssembly,
+    /// HLSL, which a compiler makes SPIR-V of.
+    Hlsl,
+    /// Slang, which a compiler makes SPIR-V of.
+    Slang,
 }
 
 impl Written {
@@ -27,13 +31,18 @@ impl Written {
             "wgsl" | "wesl" => Self::Wgsl,
             "spv" => Self::SpirV,
             "spvasm" => Self::SpirVAssembly,
+            "hlsl" | "hlsli" => Self::Hlsl,
+            "slang" => Self::Slang,
             _ => Self::Glsl,
         }
     }
 
-    /// By the name of a file.
+    /// By the name of a file. Vulkan's GLSL has files called `.slang` as well, which begin with their version.
     pub fn of(file: &SourceFile) -> Self {
-        Self::of_path(file.name())
+        match Self::of_path(file.name()) {
+            Self::Slang if file.text().lines().any(|line| line.trim_start().starts_with("#version ")) => Self::Glsl,
+            written => written,
+        }
     }
 
     /// Its name in messages.
@@ -42,7 +51,14 @@ impl Written {
             Self::Glsl => "GLSL",
             Self::Wgsl => "WGSL",
             Self::SpirV | Self::SpirVAssembly => "SPIR-V",
+            Self::Hlsl => "HLSL",
+            Self::Slang => "Slang",
         }
+    }
+
+    /// True for a language that a compiler makes SPIR-V of before the text is read.
+    pub fn is_compiled(self) -> bool {
+        matches!(self, Self::Hlsl | Self::Slang)
     }
 
     /// The language that a text looks like whose own language refuses it, by declarations that no other has.
@@ -52,6 +68,10 @@ impl Written {
         (0..all.len()).find_map(|k| match (word(k), word(k + 1), word(k + 2)) {
             ("#", "version", _) | ("void", "main", "(") => Some(Self::Glsl),
             ("@", "vertex" | "fragment" | "compute" | "group" | "builtin", _) => Some(Self::Wgsl),
+            ("cbuffer" | "float4x4" | "float3x3", _, _) | ("numthreads", "(", _) => Some(Self::Hlsl),
+            ("float2" | "float3" | "float4", name, _) if name.starts_with(|c: char| c.is_alphabetic()) => {
+                Some(Self::Hlsl)
+            }
             ("fn", name, "(") if name.starts_with(|c: char| c.is_alphabetic() || c == '_') => Some(Self::Wgsl),
             _ => None,
         })
@@ -67,6 +87,7 @@ mod tests {
         assert_eq!(Written::guessed("// fn f(\n#version 330\n"), Some(Written::Glsl));
         assert_eq!(Written::guessed("void main() {}"), Some(Written::Glsl));
         assert_eq!(Written::guessed("fn f(x: f32) -> f32 { return x; }"), Some(Written::Wgsl));
+        assert_eq!(Written::guessed("float3 f(float3 x) { return x; }"), Some(Written::Hlsl));
         assert_eq!(Written::guessed("float f(float x) { return x; }"), None);
     }
 }

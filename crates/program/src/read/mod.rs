@@ -1,4 +1,5 @@
-//! Texts whose front end is a reader of naga: WGSL, and SPIR-V in its two forms.
+//! Texts whose front end is a reader of naga: WGSL, SPIR-V in its two forms, and what a compiler of HLSL or Slang makes
+//! SPIR-V of.
 //!
 //! A text in GLSL is built from our own syntax tree, because naga's reader of GLSL takes text that is not GLSL. Its
 //! reader of WGSL refuses what the language refuses, so that it is the front end here: from its module come the
@@ -6,12 +7,16 @@
 //! what is run is chosen from it, and everything that this does not use is left out.
 
 mod choose;
+mod compiled;
 mod flat;
 mod function;
 mod language;
+mod lines;
+mod outline;
 mod ports;
 mod program;
 mod ranges;
+mod rows;
 mod spirv;
 mod stops;
 mod values;
@@ -26,12 +31,16 @@ use base::text::{SourceFile, Span};
 use syntax::{Shader, Stage, Token};
 
 pub use choose::Chosen;
+pub use compiled::OWN;
+pub use outline::{Head, Outline, Param, Way};
+
+use compiled::Compiled;
 
 pub(crate) use flat::flat_if_needed;
 pub use language::Written;
 pub use spirv::listing;
 
-/// A text in WGSL or SPIR-V as naga reads it.
+/// A text as naga reads it.
 #[derive(Clone, Debug)]
 pub struct ModuleText {
     module: Module,
@@ -40,6 +49,8 @@ pub struct ModuleText {
     /// The syntax tree of a text that has one.
     tree: Option<Arc<Shader>>,
     constants: Arc<Constants>,
+    /// What is known of a text that a compiler made a module of.
+    compiled: Compiled,
 }
 
 /// Something of a module that can be run.
@@ -65,13 +76,13 @@ impl ModuleText {
         let module = match written {
             Written::Wgsl => wgsl::read(file)?,
             Written::SpirV => spirv::read_listing(file)?,
-            Written::SpirVAssembly | Written::Glsl => {
+            Written::SpirVAssembly | Written::Glsl | Written::Hlsl | Written::Slang => {
                 return Err(ProgramError::internal(format!("{} is not read as a module", written.name())));
             }
         };
         let tree = (written == Written::Wgsl).then(|| Arc::new(Shader::parse_wgsl(file).shader));
         let constants = tree.as_ref().map_or_else(Arc::default, |tree| Arc::new(Constants::new(tree.clone())));
-        Ok(Self { module, file: file.clone(), written, tree, constants })
+        Ok(Self { module, file: file.clone(), written, tree, constants, compiled: Compiled::default() })
     }
 
     /// Reads a text in assembly, whose words an assembler gave.
@@ -81,7 +92,8 @@ impl ModuleText {
     pub fn read_assembly(file: &SourceFile, words: &[u32]) -> Result<Self, ProgramError> {
         let module = spirv::read_assembly(file, words)?;
         let (tree, constants) = (None, Arc::default());
-        Ok(Self { module, file: file.clone(), written: Written::SpirVAssembly, tree, constants })
+        let (written, compiled) = (Written::SpirVAssembly, Compiled::default());
+        Ok(Self { module, file: file.clone(), written, tree, constants, compiled })
     }
 
     /// The syntax tree; none for SPIR-V. It may lack what only naga reads.
@@ -102,6 +114,14 @@ impl ModuleText {
     /// What a name means: a function, or else an entry point. Without a name, the only function of a text that has no
     /// entry point.
     pub fn meant<'a>(&'a self, stage: Option<Stage>, name: Option<&'a str>) -> Chosen<'a> {
+        if self.written.is_compiled() {
+            let functions = &self.compiled.functions;
+            return match (name, &functions[..]) {
+                (Some(name), _) if self.functions().iter().any(|own| own.name == name) => Chosen::Function(name),
+                (None, [(only, _)]) if self.points().is_empty() => Chosen::Function(only),
+                _ => Chosen::Point { stage, name },
+            };
+        }
         let mut names = self.module.functions.iter().filter_map(|(_, function)| function.name.as_deref());
         match name {
             Some(name) if names.any(|own| own == name) => Chosen::Function(name),
@@ -120,11 +140,31 @@ impl ModuleText {
             span: self.place_of("fn", &point.name),
             parameters: Vec::new(),
         };
-        self.module.entry_points.iter().map(one).collect()
+        let own = self.module.entry_points.iter().map(one);
+        own.chain(self.compiled.beside.iter().flat_map(Self::points)).collect()
     }
 
     /// Its functions that are no entry points, in the order of the text.
     pub fn functions(&self) -> Vec<Runnable> {
+        if self.written.is_compiled() {
+            let one = |name: &String, span: Span| Runnable {
+                name: name.clone(),
+                stage: Stage::Library,
+                span,
+                parameters: self.head(name).map(Head::parameters).unwrap_or_default(),
+            };
+            let mut all: Vec<Runnable> = self.compiled.functions.iter().map(|(name, span)| one(name, *span)).collect();
+            let left_out = self.compiled.left_out.iter().map(|(name, span, _)| one(name, *span));
+            all.extend(
+                left_out
+                    .filter(|out| self.compiled.functions.iter().all(|(name, _)| *name != out.name))
+                    .collect::<Vec<_>>(),
+            );
+            let points = self.points();
+            all.retain(|function| points.iter().all(|point| point.name != function.name));
+            all.sort_by_key(|function| function.span.start);
+            return all;
+        }
         let one = |(_, function): (_, &naga::Function)| {
             let name = function.name.clone()?;
             let parameters = function.arguments.iter().map(|a| Parameter::of_module(&self.module, a.ty)).collect();
@@ -152,6 +192,10 @@ impl ModuleText {
 
     /// The place of a name that is declared behind a keyword.
     fn place_of(&self, keyword: &str, name: &str) -> Span {
+        if self.written.is_compiled() {
+            let known = self.compiled.functions.iter().find(|(own, _)| own == name).map(|(_, span)| *span);
+            return self.head(name).map(|head| head.span).or(known).unwrap_or_default();
+        }
         let text = self.file.text();
         if let Some(tree) = &self.tree {
             // naga keeps no place for the name of an entry point.

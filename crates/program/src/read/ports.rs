@@ -50,6 +50,10 @@ pub(super) fn parts(
     }
     let step = |k: u32| [path, &[k]].concat();
     match &module.types[ty].inner {
+        // What slangc puts around an array.
+        TypeInner::Struct { members, .. } if is_wrapper(module, ty) && members.len() == 1 => {
+            parts(module, members[0].ty, (name, &step(0)), found, unfed);
+        }
         TypeInner::Struct { members, .. } => {
             for (k, member) in (0..).zip(members) {
                 let own = member.name.clone().unwrap_or_else(|| k.to_string());
@@ -83,6 +87,11 @@ pub(super) fn parts(
         }
         inner => unfed.push(format!("`{name}`, {}", described(module, ty, inner))),
     }
+}
+
+/// True for the structure that slangc puts around an array of a buffer.
+fn is_wrapper(module: &Module, ty: Handle<Type>) -> bool {
+    module.types[ty].name.as_deref().is_some_and(|name| name.starts_with("_Array_std"))
 }
 
 /// A type that is not fed, in words.

@@ -33,7 +33,21 @@ impl ModuleText {
     /// [`ProgramError::Source`] for what is not there, is open, has no value or cannot be run, at its place.
     pub fn program(&self, chosen: Chosen<'_>, values: &[(String, String)]) -> Result<Program, ProgramError> {
         match chosen {
-            Chosen::Point { stage, name } => self.stage(self.point(stage, name)?, values),
+            Chosen::Point { stage, name } => {
+                let mut index = self.point(stage, name)?;
+                if index < self.module.entry_points.len() {
+                    return self.stage(index, values);
+                }
+                // A compiler that writes one entry point into a module writes several modules.
+                index -= self.module.entry_points.len();
+                for text in &self.compiled.beside {
+                    match index.checked_sub(text.module.entry_points.len()) {
+                        None => return text.stage(index, values),
+                        Some(rest) => index = rest,
+                    }
+                }
+                Err(ProgramError::internal("an entry point got lost".to_owned()))
+            }
             Chosen::Function(name) => self.single(name, values),
         }
     }

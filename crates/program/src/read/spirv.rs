@@ -149,7 +149,8 @@ fn wrong(file: &SourceFile, span: Span, message: String) -> ProgramError {
     ProgramError::Source(vec![Diagnostic::new(NAGA, Severity::Error, file, span, message)])
 }
 
-fn read(file: &SourceFile, words: &[u32], lines: &[Span]) -> Result<Module, ProgramError> {
+/// Reads and validates a module whose instructions have these places.
+pub(super) fn read(file: &SourceFile, words: &[u32], lines: &[Span]) -> Result<Module, ProgramError> {
     let all = instructions(words).map_err(|why| wrong(file, Span::at(0), why))?;
     let options = naga::front::spv::Options { adjust_coordinate_space: false, ..Default::default() };
     let parsed = contain(|| naga::front::spv::Frontend::new(known_to_reader(words).into_iter(), &options).parse());

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use crate::suite::record::{self, Interface};
-use crate::suite::{Expect, Joined, RecordedFile, ReferenceFile, RunTextureError, Stage, Suite, read_module};
+use crate::suite::{Asked, Expect, Joined, RecordedFile, ReferenceFile, RunTextureError, Stage, Suite, read_module};
 use base::diagnostic::Diagnostic;
 use base::text::SourceFile;
 use compose::Options;
@@ -223,7 +223,8 @@ fn program(suite: &Suite, shader: &SourceFile, function: Option<&str>) -> Result
 /// The program of a text that is a module, with what it imports.
 fn of_joined(suite: &Suite, shader: &SourceFile, function: Option<&str>) -> Result<Program, ProgramError> {
     let options = Options { defines: suite.chosen.clone(), ..Options::default() };
-    let joined = Joined::of(shader, &suite.includes.folders, &options)
+    let asked = Asked { entry: function.map(str::to_owned), stage: suite.stage.of_text(), ..Asked::default() };
+    let joined = Joined::of(shader, &suite.includes.folders, &options, &asked)
         .map_err(|error| ProgramError::Unsupported { what: error.to_string() })?;
     let Some(joined) = joined else { return of_module(shader, suite.stage, function, &suite.chosen) };
     let text = joined.module()?;
@@ -253,18 +254,17 @@ fn of_text(
     name: Option<&str>,
     values: &[(String, String)],
 ) -> Result<Program, ProgramError> {
-    let stage_of_text = match stage {
-        Stage::Vertex => Some(syntax::Stage::Vertex),
-        Stage::Fragment => Some(syntax::Stage::Fragment),
-        Stage::Geometry => {
-            let what = format!("a geometry stage in {}, which has none", text.written().name());
-            return Err(ProgramError::Unsupported { what });
-        }
-        Stage::Function => None,
-    };
+    if stage == Stage::Geometry {
+        let language = text.written().name();
+        let what = match text.written().is_compiled() {
+            true => format!("a geometry stage in {language}, which is not run; test its vertices by a vertex stage"),
+            false => format!("a geometry stage in {language}, which has none"),
+        };
+        return Err(ProgramError::Unsupported { what });
+    }
     let chosen = match name {
         Some(name) if stage == Stage::Function => Chosen::Function(name),
-        _ => Chosen::Point { stage: stage_of_text, name },
+        _ => Chosen::Point { stage: stage.of_text(), name },
     };
     text.program(chosen, values)
 }
@@ -307,7 +307,9 @@ fn expected(suite: &Suite, shader: &SourceFile, program: &Program) -> Result<Exp
             let first = || Some(syntax::Shader::parse(shader, stage_of(suite, shader, None)).shader.version().clone());
             let text = &match Written::of(text) {
                 Written::Glsl => syntax::fitting(text, stage, &suite.chosen, first),
-                Written::Wgsl | Written::SpirV | Written::SpirVAssembly => text.clone(),
+                Written::Wgsl | Written::SpirV | Written::SpirVAssembly | Written::Hlsl | Written::Slang => {
+                    text.clone()
+                }
             };
             let mut model = self::program(suite, text, entry).map_err(|source| {
                 let source = match source {
