@@ -34,6 +34,11 @@ impl Written {
         if let Ok(shape) = text.parse() {
             return Some(shape);
         }
+        let scalar =
+            [("f32", Scalar::F32), ("i32", Scalar::I32), ("u32", Scalar::U32)].into_iter().find(|(n, _)| *n == text);
+        if let Some((_, scalar)) = scalar {
+            return Some(Shape::vector(scalar, 1));
+        }
         if let Some(inside) = text.strip_prefix("array<") {
             let (element, len) = inside.strip_suffix('>')?.rsplit_once(',')?;
             let element = Self::shape_named(element).filter(|shape| shape.array.is_none())?;

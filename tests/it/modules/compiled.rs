@@ -147,14 +147,16 @@ fn a_function_is_equal_in_four_languages_and_planted_differences_are_found() {
             }
             let args =
                 format!("compare {} {} --samples 512 --lane embedded --function {name}", wgsl.display(), own.display());
-            with(compiler, &root(), &args).expect(0);
+            with(compiler, root(), &args).expect(0);
         }
         let glsl = "vec3 turned(mat3 m, vec3 v) { return m * v; }\nfloat rest(float x, float y) { return mod(x, y); }\n\
                     float angle(float y, float x) { return atan(y, x); }\n";
         let right = "float3 turned(float3x3 m, float3 v) { return mul(m, v); }\n\
                      float rest(float x, float y) { return x - y * floor(x / y); }\n\
                      float angle(float y, float x) { return atan2(y, x); }\n";
-        let wrong = right.replace("mul(m, v)", "mul(v, m)").replace("x - y * floor(x / y)", "fmod(x, y)");
+        // `fmod` has the sign of its first operand; glslang 12 makes the other remainder of it.
+        let rest = if compiler == "slangc" { "fmod(x, y)" } else { "x - y * trunc(x / y)" };
+        let wrong = right.replace("mul(m, v)", "mul(v, m)").replace("x - y * floor(x / y)", rest);
         let wrong = wrong.replace("atan2(y, x)", "atan2(x, y)");
         let (same, other) = (format!("same.{language}"), format!("other.{language}"));
         let files: &[(&str, &[u8])] =
@@ -167,7 +169,7 @@ fn a_function_is_equal_in_four_languages_and_planted_differences_are_found() {
             with(compiler, folder.path(), &format!("compare f.glsl {other} {rest} --format json")).expect(1).json();
         for pair in ran["pairs"].as_array().unwrap() {
             assert!(
-                pair["unlike"].to_string() != "0" && pair.to_string().contains("bits"),
+                pair["unlike"].as_u64() > Some(0) && pair["smallest"]["inputs"][0]["bits"][0].is_string(),
                 "{compiler} {language}: {pair:#}"
             );
         }

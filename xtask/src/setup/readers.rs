@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::host::Host;
+use crate::host::{Host, on_path};
 
 /// Where packages are, below the build folder.
 pub struct Packages {
@@ -26,6 +26,11 @@ impl Packages {
         self.folder.join("node_modules")
     }
 
+    /// Programs that came with packages.
+    fn programs(&self) -> PathBuf {
+        self.folder.join("bin")
+    }
+
     /// Makes the tests that a command runs find them, unless the variables say where else.
     pub fn show<'a>(&self, host: &dyn Host, command: &'a mut Command) -> &'a mut Command {
         let variables: [(&str, OsString, PathBuf); 2] = [
@@ -37,11 +42,24 @@ impl Packages {
                 command.env(name, value);
             }
         }
+        if host.exists(&self.programs().join("slangc")) {
+            let own = std::iter::once(self.programs());
+            let path = host.var("PATH").unwrap_or_default();
+            let all = own.chain(std::env::split_paths(&path).collect::<Vec<_>>());
+            if let Ok(path) = std::env::join_paths(all) {
+                command.env("PATH", path);
+            }
+        }
         command
     }
 }
 
-/// Installs NumPy, PyArrow and the package `webgpu` where no variable names others; whether they are there.
+/// Puts the compiler of the wheel `slangtorch` beside the environment that it is in.
+const LINK: &str = "import os, sys, sysconfig; os.makedirs(sys.argv[1], exist_ok=True); \
+    os.symlink(sysconfig.get_path('purelib') + '/slangtorch/bin/slangc', sys.argv[1] + '/slangc')";
+
+/// Installs NumPy, PyArrow and the package `webgpu` where no variable names others, and slangc where none is found; whether
+/// they are there.
 pub fn prepare_packages(host: &mut dyn Host, packages: &Packages, messages: &mut dyn Write) -> io::Result<bool> {
     let python = packages.python().display().to_string();
     let environment = packages.folder.join("python").display().to_string();
@@ -57,6 +75,17 @@ pub fn prepare_packages(host: &mut dyn Host, packages: &Packages, messages: &mut
     }
     if host.var("NODE_PATH").is_none() && !host.exists(&packages.modules().join("webgpu/package.json")) {
         all &= install(host, "the package `webgpu`", "npm", &[npm], messages)?;
+    }
+    if on_path(host, "slangc").is_none() && !host.exists(&packages.programs().join("slangc")) {
+        let environment = packages.folder.join("slang").display().to_string();
+        let python = packages.folder.join("slang/bin/python").display().to_string();
+        let programs = packages.programs().display().to_string();
+        let venv: &[&str] = &["python3", "-m", "venv", &environment];
+        // What the wheel depends on is for its users in Python, and large.
+        let quiet = ["--quiet", "--disable-pip-version-check"];
+        let pip = [&[python.as_str(), "-m", "pip", "install"][..], &quiet, &["--no-deps", "slangtorch"]].concat();
+        let link: &[&str] = &[&python, "-c", LINK, &programs];
+        all &= install(host, "slangc", "pip", &[venv, &pip, link], messages)?;
     }
     Ok(all)
 }
@@ -108,18 +137,24 @@ mod tests {
             "",
         );
         host = host.program("/t/for-tests/python/bin/python -m pip", true, "").program("npm install", true, "");
+        host = host.program("/t/for-tests/slang/bin/python", true, "");
         assert!(prepared(&mut host).0);
         assert_eq!(host.log[1], "python3 -m venv /t/for-tests/python");
         assert!(host.log[2].ends_with(" numpy pyarrow"), "{:?}", host.log);
         assert!(host.log[3].ends_with(" --prefix /t/for-tests webgpu"), "{:?}", host.log);
+        assert_eq!(host.log[4], "python3 -m venv /t/for-tests/slang");
+        assert!(host.log[5].ends_with(" --no-deps slangtorch"), "{:?}", host.log);
+        assert!(host.log[6].ends_with(" /t/for-tests/bin"), "{:?}", host.log);
     }
 
     #[test]
     fn what_is_there_or_named_is_left_alone() {
         let there = Fake::default().file("/t/for-tests/node_modules/webgpu/package.json", "");
+        let there = there.file("/t/for-tests/bin/slangc", "");
         let mut there = there.program("/t/for-tests/python/bin/python -c", true, "");
         assert_eq!(prepared(&mut there), (true, String::new()));
         let mut named = Fake::default().var("SHADERCHECK_PYTHON", "/opt/python").var("NODE_PATH", "/opt/modules");
+        named = named.var("PATH", "/opt/bin").file("/opt/bin/slangc", "");
         assert_eq!(prepared(&mut named), (true, String::new()));
         assert!(named.log.is_empty());
     }
@@ -132,7 +167,7 @@ mod tests {
         assert!(text.contains("NumPy and PyArrow cannot be installed: Error: no space left\n"), "{text}");
         assert!(text.contains("the package `webgpu` cannot be installed: `npm` cannot be started\n"), "{text}");
         let (all, text) = prepared(&mut Fake::default().var("SHADERCHECK_NO_INSTALL", "1"));
-        assert!(!all && text.matches("forbids to install it").count() == 2, "{text}");
+        assert!(!all && text.matches("forbids to install it").count() == 3, "{text}");
     }
 
     #[test]
@@ -150,5 +185,6 @@ mod tests {
         assert_eq!(shown(&both()), ["NODE_PATH", "SHADERCHECK_PYTHON"]);
         assert_eq!(shown(&both().var("NODE_PATH", "/opt/modules")), ["SHADERCHECK_PYTHON"]);
         assert!(shown(&Fake::default()).is_empty());
+        assert_eq!(shown(&Fake::default().file("/t/for-tests/bin/slangc", "")), ["PATH"]);
     }
 }

@@ -423,7 +423,7 @@ mod tests {
 
     #[test]
     fn lines_stay_where_they_are_without_their_directives() {
-        assert_eq!(without_line_directives("a\n # line 7 \"b\"\nc #line\n"), "a\n               \nc #line\n");
+        assert_eq!(without_line_directives("a\n # line 7 \"b\"\nc #line\n"), "a\n             \nc #line\n");
     }
 
     #[test]

@@ -203,7 +203,7 @@ impl<'t> Values<'_, 't> {
                         .bracket(w.at)
                         .is_none_or(|open| code.other(open).is_some_and(|close| open < at && at < close))
             };
-            let declared = inside.iter().copied().filter(reaches).next_back();
+            let declared = inside.iter().copied().rfind(reaches);
             let from_there = declared.map_or(body.start, |w| w.at);
             let written: Vec<&Write> = inside.iter().copied().filter(|w| !w.declares && w.at > from_there).collect();
             match (declared, written.as_slice()) {
