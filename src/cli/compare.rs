@@ -103,6 +103,9 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
         version::text(&args.first, &given(&args.define), stage)?,
         version::text(&args.second, &given(&second_defines), stage)?,
     ];
+    for note in texts.iter().flat_map(IncludedText::notes) {
+        writeln!(err, "note: {note}")?;
+    }
     let stated = stated(&args.domain)?;
     let profiles = args.profile.iter().map(|name| match profile::named(name)? {
         Some(profile) => Ok(profile),
@@ -189,13 +192,9 @@ fn command(args: &CompareArgs) -> String {
     args.include.iter().for_each(|folder| add("-I", &folder.display().to_string()));
     args.define.iter().for_each(|(name, value)| add("--define", &format!("{name}={value}")));
     args.define_second.iter().for_each(|(name, value)| add("--define-second", &format!("{name}={value}")));
-    args.compose.with.iter().for_each(|file| add("--with", &file.display().to_string()));
     args.domain.iter().for_each(|domain| add("--domain", domain));
     if let Some(stage) = args.stage {
         add("--stage", &stage.word());
     }
-    if args.compose.assign_bindings {
-        words.push_str(" --assign-bindings");
-    }
-    words
+    words + &args.compose.words()
 }

@@ -1,10 +1,11 @@
 //! Texts of several files, and those that a compiler reads, for commands that run them.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use clap::Args;
 
+use super::check::shell_word;
 use super::translate::read;
 use base::text::SourceFile;
 use compose::Options;
@@ -24,6 +25,21 @@ pub struct ComposeArgs {
     /// first that is found
     #[arg(long, value_name = "PROGRAM")]
     pub compiler: Option<PathBuf>,
+}
+
+impl ComposeArgs {
+    /// The same as words of a command line, each with a blank in front.
+    pub fn words(&self) -> String {
+        let mut words = String::new();
+        let mut add =
+            |option: &str, path: &Path| words += &format!(" {option} {}", shell_word(&path.to_string_lossy()));
+        self.with.iter().for_each(|file| add("--with", file));
+        self.compiler.iter().for_each(|program| add("--compiler", program));
+        if self.assign_bindings {
+            words += " --assign-bindings";
+        }
+        words
+    }
 }
 
 /// What is stated about the texts of a command.

@@ -172,6 +172,9 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     }
     let mut progress = Bar::new(args.format == Format::Text);
     for source in &sources {
+        for note in source.notes().iter().filter(|_| args.format == Format::Text) {
+            progress.suspend(|| writeln!(err, "note: {note}"))?;
+        }
         let mut printed = Printed { out, args, color, many: sources.len() > 1 };
         let report = one_file(args, source, &lanes, &mut inputs, &mut known, &mut progress, &mut printed)?;
         summary.files.push(report);
@@ -363,12 +366,7 @@ fn command(args: &FuzzArgs, source: &IncludedText) -> String {
     for folder in &args.include {
         words = format!("{words} -I {}", shell_word(&folder.display().to_string()));
     }
-    for file in &args.compose.with {
-        words = format!("{words} --with {}", shell_word(&file.display().to_string()));
-    }
-    if args.compose.assign_bindings {
-        words.push_str(" --assign-bindings");
-    }
+    words += &args.compose.words();
     for (name, value) in &args.define {
         words = format!("{words} --define {}", shell_word(&format!("{name}={value}")));
     }
