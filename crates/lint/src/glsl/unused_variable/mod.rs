@@ -38,6 +38,10 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         }
     }
     for (span, name, written) in unused {
+        // As in Rust, a variable of WGSL that begins with an underscore is not to be used.
+        if file.is_wgsl() && name.starts_with('_') {
+            continue;
+        }
         // A name that a macro wrote is no name of this text.
         if hidden.contains(name) || file.file.slice(span) != name {
             continue;
