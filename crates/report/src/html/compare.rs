@@ -49,8 +49,12 @@ fn file(pair: &Compared, number: usize, curve: &Curve, over: Over) -> String {
 fn text(summary: &Summary) -> Markup {
     let known = summary.pairs.iter().filter(|pair| pair.is_known()).count();
     let unlike = summary.pairs.iter().filter(|pair| pair.unlike.0 > 0).count();
+    // Most samples of such a function could mean the same or not.
+    let open = summary.pairs.iter().any(|pair| pair.is_known() && pair.unlike.0 == 0 && pair.equal * 2 < pair.samples);
     let headline = match (known, unlike) {
         (0, _) => "Nothing could be compared".to_owned(),
+        (1, 0) if open => "No difference was found; most samples are undetermined".to_owned(),
+        (n, 0) if open => format!("No difference was found in {n} functions; for some, most samples are undetermined"),
         (1, 0) => "The function means the same in both".to_owned(),
         (n, 0) => format!("All {n} functions mean the same in both"),
         (n, unlike) => format!("{unlike} of {n} functions mean something else"),
