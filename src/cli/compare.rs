@@ -98,7 +98,7 @@ pub struct CompareArgs {
 pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
     let stage = args.stage.map(syntax::Stage::from);
     let second_defines = [&args.define[..], &args.define_second[..]].concat();
-    let given = |defines| Given { folders: &args.include, defines, wgsl: Some(&args.compose), stage, entry: None };
+    let given = |defines| Given { folders: &args.include, defines, compose: Some(&args.compose), stage, entry: None };
     let texts = [
         version::text(&args.first, &given(&args.define), stage)?,
         version::text(&args.second, &given(&second_defines), stage)?,

@@ -50,7 +50,7 @@ pub struct Given<'a> {
     /// Names with values.
     pub defines: &'a [(String, String)],
     /// What concerns some languages; none where a command has no options for it.
-    pub wgsl: Option<&'a ComposeArgs>,
+    pub compose: Option<&'a ComposeArgs>,
     /// The entry point and the stage that are asked for.
     pub entry: Option<&'a str>,
     /// Its stage.
@@ -63,13 +63,13 @@ impl Given<'_> {
     /// # Errors
     /// When a file that is there cannot be read.
     pub fn joined(&self, file: &SourceFile) -> anyhow::Result<Option<Joined>> {
-        let wgsl = self.wgsl.cloned().unwrap_or_default();
+        let stated = self.compose.cloned().unwrap_or_default();
         let options = Options {
             defines: self.defines.to_vec(),
-            preludes: wgsl.with.iter().map(|path| read(path)).collect::<anyhow::Result<_>>()?,
-            assign_bindings: wgsl.assign_bindings,
+            preludes: stated.with.iter().map(|path| read(path)).collect::<anyhow::Result<_>>()?,
+            assign_bindings: stated.assign_bindings,
         };
-        let asked = Asked { entry: self.entry.map(str::to_owned), stage: self.stage, compiler: wgsl.compiler };
+        let asked = Asked { entry: self.entry.map(str::to_owned), stage: self.stage, compiler: stated.compiler };
         Joined::of(file, self.folders, &options, &asked).with_context(|| file.name().to_owned())
     }
 }

@@ -131,9 +131,9 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     );
     let stated = stated(&args.domain)?;
     let stage = args.stage.map(syntax::Stage::from);
-    let (folders, defines, wgsl) = (&args.include[..], &args.define[..], Some(&args.compose));
+    let (folders, defines, compose) = (&args.include[..], &args.define[..], Some(&args.compose));
     let entry = args.function.first().map(String::as_str);
-    let reading = Given { folders, defines, wgsl, entry, stage };
+    let reading = Given { folders, defines, compose, entry, stage };
     let sources: Vec<IncludedText> = args
         .files
         .iter()
@@ -298,7 +298,9 @@ pub(super) fn subjects(
     let written = Written::of(&source.file);
     if written != Written::Glsl {
         let mut left_out = Vec::new();
-        let text = match (source.module(), source.rest()) {
+        let read = source.module();
+        let rest = read.is_err().then(|| source.rest()).flatten();
+        let text = match (read, rest) {
             (Ok(text), _) => text,
             (Err(ProgramError::Source(_)), Some(Ok((text, lacking)))) => {
                 left_out.extend(lacking.iter().filter(|one| wanted(&one.name)).map(|one| Subject {

@@ -12,9 +12,9 @@ use lint::{Composed, Composer, Level};
 pub fn composer() -> Composer {
     let modules = Mutex::new(Modules::new(Vec::new()));
     Composer::new(move |file| {
-        let features = features(file);
         // With all features on, most of a text is seen. Where they exclude each other, it is read as without any.
-        let sets = [features.into_iter().map(|name| (name, String::new())).collect(), Vec::new()];
+        let on: Vec<(String, String)> = features(file).into_iter().map(|name| (name, String::new())).collect();
+        let sets = if on.is_empty() { vec![on] } else { vec![on, Vec::new()] };
         let whole = |defines| {
             let options = Options { defines, ..Options::default() };
             let composed = modules.lock().unwrap_or_else(PoisonError::into_inner).compose(file, &options).ok()?;

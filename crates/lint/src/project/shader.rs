@@ -80,7 +80,9 @@ impl ShaderFile {
         let mut shader = match joined {
             None => Self::read(input, alone),
             Some(Composed { file, refused }) => {
-                let Parsed { shader, diagnostics } = Shader::parse_wgsl(&file);
+                // A text that nothing was joined to is read already.
+                let parsed = if file.is_assembled() { Shader::parse_wgsl(&file) } else { alone };
+                let Parsed { shader, diagnostics } = parsed;
                 let shader = if varies { shader.varying() } else { shader };
                 let mut shader = Self::read(input, Parsed { shader, diagnostics });
                 shader.author = shader.file.is_assembled().then(|| input.file.clone());

@@ -1,11 +1,11 @@
 //! The page of a comparison: a table of the pairs, and what is known of each, with its charts.
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, PreEscaped, html};
 
 use super::Site;
 use super::charts::Chart;
 use super::curve::Over;
-use super::page::{POLICY, STYLE};
+use super::page::document;
 use super::text::{count, printable, slug};
 use crate::compare::Summary;
 use engine::InputValue;
@@ -26,20 +26,8 @@ pub fn write(summary: &Summary) -> Result<Site, String> {
             }
         }
     }
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta http-equiv="Content-Security-Policy" content=(POLICY);
-                title { "shadercheck compare" }
-                style { (PreEscaped(STYLE)) }
-            }
-            body { (printable(text(summary))) }
-        }
-    };
-    Ok(Site { index: page.into_string(), plots })
+    let body = html! { (printable(text(summary))) };
+    Ok(Site { index: document("compare", &body), plots })
 }
 
 fn file(pair: &Compared, number: usize, curve: &Curve, over: Over) -> String {

@@ -7,13 +7,12 @@ use super::text::{Message, commas, count, printable, script};
 use super::{Page, anchor, fails, suites, way};
 use engine::suite::run::{Finding, FindingKind, Outcome, RunError, Status};
 
-pub(super) const STYLE: &str = include_str!("style.css");
+const STYLE: &str = include_str!("style.css");
 const SCRIPTS: [&str; 4] =
     [include_str!("script.js"), include_str!("scene.js"), include_str!("viewer.js"), include_str!("map.js")];
 
 /// Nothing outside of the page is ever asked for.
-pub(super) const POLICY: &str =
-    "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:";
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:";
 
 /// The whole page.
 pub(super) fn page(page: &Page<'_>) -> String {
@@ -23,6 +22,16 @@ pub(super) fn page(page: &Page<'_>) -> String {
         Status::Broken if page.summary.totals().judged > 0 => "is incomplete",
         Status::Broken => "could not run",
     };
+    let body = html! {
+        (printable(text(page)))
+        script type="application/json" id="data" { (script(&super::data::data(page))) }
+        script { @for part in SCRIPTS { (PreEscaped(part)) } }
+    };
+    document(status, &body)
+}
+
+/// A page with this body. Its title says what it is about.
+pub(super) fn document(about: &str, body: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -30,14 +39,10 @@ pub(super) fn page(page: &Page<'_>) -> String {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta http-equiv="Content-Security-Policy" content=(POLICY);
-                title { "shadercheck " (status) }
+                title { "shadercheck " (about) }
                 style { (PreEscaped(STYLE)) }
             }
-            body {
-                (printable(text(page)))
-                script type="application/json" id="data" { (script(&super::data::data(page))) }
-                script { @for part in SCRIPTS { (PreEscaped(part)) } }
-            }
+            body { (body) }
         }
     };
     page.into_string()
