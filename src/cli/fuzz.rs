@@ -308,6 +308,7 @@ pub(super) fn subjects(
                     name: one.name.clone(),
                     parameters: Vec::new(),
                     at: one.at.clone(),
+                    dispatch: None,
                     ready: Err(format!("`{}` is declared nowhere: name its file with `--with FILE`", one.lacks)),
                     stated: Vec::new(),
                 }));

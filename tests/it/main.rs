@@ -25,6 +25,7 @@ mod hostile;
 mod interp;
 mod interrupt;
 mod json;
+mod kernels;
 mod kubernetes;
 mod lint_cli;
 mod lists;

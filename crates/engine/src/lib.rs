@@ -5,6 +5,7 @@ pub mod adversary;
 pub mod calibrate;
 pub mod catalogue;
 pub mod compare;
+pub mod dispatch;
 pub mod fuzz;
 pub mod guess;
 mod input_value;

@@ -212,6 +212,24 @@ impl Program {
         build::program(shader, target)
     }
 
+    /// The arguments of the entry point that are built-in values.
+    pub(crate) fn built_ins_of_entry(&self) -> Vec<(u32, BuiltIn)> {
+        let Entry::Point(index) = self.entry else { return Vec::new() };
+        let arguments = self.module.entry_points.get(index).map_or(&[][..], |point| &point.function.arguments);
+        let built_in = |(k, argument): (u32, &naga::FunctionArgument)| match argument.binding {
+            Some(naga::Binding::BuiltIn(built_in)) => Some((k, built_in)),
+            _ => None,
+        };
+        (0..).zip(arguments).filter_map(built_in).collect()
+    }
+
+    /// Invocations of a workgroup along x, y and z; `None` for what is no compute stage.
+    pub fn workgroup_size(&self) -> Option<[u32; 3]> {
+        let Entry::Point(index) = self.entry else { return None };
+        let point = self.module.entry_points.get(index)?;
+        (point.stage == naga::ShaderStage::Compute).then_some(point.workgroup_size)
+    }
+
     /// For an argument of a fragment stage that is interpolated or the place of the fragment: true for the place.
     pub fn binding_of(&self, argument: u32) -> Option<bool> {
         let Entry::Point(index) = self.entry else { return None };

@@ -46,6 +46,10 @@ pub enum FuzzFindingKind {
     Conversion,
     /// A signed integer that does not fit.
     IntegerOverflow,
+    /// Two invocations of a dispatch touch one place in memory, and nothing comes between.
+    Race,
+    /// A barrier that not all invocations of a workgroup reach.
+    Divergence,
     /// Rounding is enlarged so much that an output has few right digits.
     IllConditioned,
     /// An output is too large for binary32.
@@ -74,6 +78,8 @@ impl FuzzFindingKind {
             Self::Shift => "shift",
             Self::Conversion => "conversion",
             Self::IntegerOverflow => "integer_overflow",
+            Self::Race => "race",
+            Self::Divergence => "divergence",
             Self::IllConditioned => "ill_conditioned",
             Self::TooLarge => "too_large",
         }
@@ -83,6 +89,8 @@ impl FuzzFindingKind {
     pub fn severity(self, standing: Standing, stated: bool) -> Severity {
         match self {
             Self::LaneDeviation | Self::NotDeterministic | Self::LaneFailed => Severity::Finding,
+            // Dispatches are judged where they are run.
+            Self::Race | Self::Divergence => Severity::Finding,
             Self::NoValue
             | Self::Infinite
             | Self::Overflow
@@ -206,6 +214,16 @@ pub struct Finding {
     pub reproduce: Option<String>,
 }
 
+impl Finding {
+    /// True for what whole dispatches showed: the values say what a host did.
+    pub fn is_of_dispatch(&self) -> bool {
+        self.inputs.first().is_some_and(|input| input.name == WORKGROUPS)
+    }
+}
+
+/// What the first value of a finding in a dispatch is called.
+pub const WORKGROUPS: &str = "workgroups";
+
 /// What one lane gave.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct LaneReport {
@@ -236,6 +254,9 @@ pub struct FunctionReport {
     pub hostile: u64,
     /// Samples beside these that lie at edges of what the function decides.
     pub edges: u64,
+    /// Dispatches of a compute stage, with several workgroups and buffers of several sizes.
+    #[serde(default)]
+    pub dispatches: u64,
     /// Why it was not run.
     pub not_run: Option<String>,
     /// Each input, type and name, with what is stated of it.

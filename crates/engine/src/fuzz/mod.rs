@@ -24,7 +24,7 @@ mod subject;
 mod wrapper;
 
 pub use domain::{Domain, InputDomain, Interval, Law, MODERATE, Shrinking, Stated, Within};
-pub use finding::{Finding, FunctionReport, FuzzFindingKind, LaneReport, Part, Severity};
+pub use finding::{Finding, FunctionReport, FuzzFindingKind, LaneReport, Part, Severity, WORKGROUPS};
 pub use generate::batch;
 pub use hint::{FORMS, option};
 pub use modules::subjects_of_module;

@@ -3,6 +3,7 @@
 use super::realistic::Realistic;
 use super::subject::{BadHint, Hints, Made, Ready, Subject, global, made, numbers, reason};
 use super::wrapper::MOST_WORDS;
+use crate::dispatch::Dispatched;
 use crate::guess::{self, Role, Usages, Uses};
 use base::value::Field;
 use program::{Chosen, ModuleText, Port, PortAt, Program, Runnable};
@@ -59,6 +60,7 @@ impl Known<'_> {
 
 fn subject(text: &ModuleText, values: &[(String, String)], one: Runnable, known: &Known<'_>) -> Subject {
     let at = text.file().locate(one.span.start);
+    let dispatch = (one.stage == Stage::Compute).then(|| dispatched(text, values, &one)).flatten();
     let ready = ready(text, values, &one).map(|(program, kernel, executable)| {
         let realistic = {
             let guess = |field: &Field| {
@@ -73,7 +75,19 @@ fn subject(text: &ModuleText, values: &[(String, String)], one: Runnable, known:
     let mut stated = about.unwrap_or_default();
     stated.extend(ready.iter().flat_map(|r| numbers(r, &r.program.ranges, &stated)).collect::<Vec<_>>());
     let name = one.name.split('(').next().unwrap_or_default().to_owned();
-    Subject { label: one.name, name, parameters: one.parameters, at, ready, stated }
+    Subject { label: one.name, name, parameters: one.parameters, at, ready, dispatch, stated }
+}
+
+fn dispatched(
+    text: &ModuleText,
+    values: &[(String, String)],
+    one: &Runnable,
+) -> Option<Result<Box<Dispatched>, String>> {
+    let chosen = Chosen::Point { stage: Some(one.stage), name: Some(&one.name) };
+    match text.program(chosen, values) {
+        Ok(program) => Dispatched::new(&program).map(|ready| ready.map(Box::new)),
+        Err(error) => Some(Err(reason(&error))),
+    }
 }
 
 fn ready(text: &ModuleText, values: &[(String, String)], one: &Runnable) -> Result<Made, String> {

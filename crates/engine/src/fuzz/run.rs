@@ -10,7 +10,7 @@ use super::name::{Key, Named, applied, decimal, name, place, undefined};
 use super::scan::{LIMIT, Look, ROUNDS, Trouble, scan};
 use super::shrinking::smallest;
 use super::subject::{Ready, Subject};
-use crate::InputValue;
+use crate::{InputValue, dispatch};
 use base::value::{Batch, Record};
 use judge::profile::{Op, Promises};
 use judge::verdict::{Fenced, Oracle, Reference, edges};
@@ -112,6 +112,7 @@ pub fn run(
         samples: 0,
         hostile: 0,
         edges: 0,
+        dispatches: 0,
         not_run: None,
         inputs: Vec::new(),
         taken_for: Vec::new(),
@@ -121,16 +122,25 @@ pub fn run(
         lanes: Vec::new(),
         findings: Vec::new(),
     };
+    if let (Some(Ok(dispatched)), None) = (&subject.dispatch, &request.case) {
+        let function = word_of(&subject.label);
+        dispatch::run(dispatched, &format!("{} --function {function}", request.command), &mut report);
+    }
     let ready = match &subject.ready {
         Ok(ready) => ready,
+        // What its invocations do together was run.
+        Err(_) if report.dispatches > 0 => return Ok(report),
         Err(why) => {
-            report.not_run = Some(why.clone());
+            let dispatched = subject.dispatch.as_ref().and_then(|dispatched| dispatched.as_ref().err());
+            report.not_run = Some(dispatched.unwrap_or(why).clone());
             return Ok(report);
         }
     };
     report.inputs = described(ready, domain);
     report.textures = ready.program.textures.iter().map(ToString::to_string).collect();
-    report.first_of_dispatch = ready.program.first_of_dispatch();
+    if report.dispatches == 0 {
+        report.first_of_dispatch = ready.program.first_of_dispatch();
+    }
     let oracle = match Oracle::new(&ready.program) {
         Ok(oracle) => oracle,
         Err(error) => {
@@ -213,8 +223,7 @@ pub fn run(
     }
     let reproduce = |sample: &Sample| {
         let inputs = regressions::inputs_text(sample);
-        let plain = subject.label.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-        let function = if plain { subject.label.clone() } else { format!("'{}'", subject.label) };
+        let function = word_of(&subject.label);
         format!("{} --function {function} --seed {} --case '{inputs}'", request.command, request.seed)
     };
     let fenced: Vec<(LaneName, Fenced)> = on.iter().filter_map(OnLane::fenced).collect();
@@ -229,6 +238,12 @@ pub fn run(
     add_findings(looked, groups, request, &reproduce, &mut report);
     report.findings.sort_by_key(|f| (f.severity, f.kind));
     Ok(report)
+}
+
+/// The name of a function as a word of a command.
+fn word_of(label: &str) -> String {
+    let plain = label.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    if plain { label.to_owned() } else { format!("'{label}'") }
 }
 
 /// The key of the inputs of a function, which [`batch`](super::batch) takes.
@@ -511,9 +526,11 @@ fn message(named: &Named, shown: &str) -> String {
         FuzzFindingKind::Shift => "a shift by 32 bits or more".to_owned(),
         FuzzFindingKind::Conversion => "a number does not fit the integer that it is converted to".to_owned(),
         FuzzFindingKind::IntegerOverflow => "a signed integer does not fit 32 bits".to_owned(),
-        FuzzFindingKind::LaneDeviation | FuzzFindingKind::NotDeterministic | FuzzFindingKind::LaneFailed => {
-            named.kind.name().to_owned()
-        }
+        FuzzFindingKind::LaneDeviation
+        | FuzzFindingKind::NotDeterministic
+        | FuzzFindingKind::LaneFailed
+        | FuzzFindingKind::Race
+        | FuzzFindingKind::Divergence => named.kind.name().to_owned(),
     }
 }
 

@@ -5,6 +5,7 @@ use super::hint;
 use super::realistic::Realistic;
 use super::slice::slice;
 use super::wrapper::{self, Wrapped};
+use crate::dispatch::Dispatched;
 use crate::guess::{self, Role, Usages};
 use base::diagnostic::Diagnostic;
 use base::text::Span;
@@ -28,6 +29,8 @@ pub struct Subject {
     pub at: String,
     /// The function, ready to run, or why it cannot be run.
     pub ready: Result<Box<Ready>, String>,
+    /// A compute stage as a whole dispatch, or why it cannot be dispatched; none for anything else.
+    pub dispatch: Option<Result<Box<Dispatched>, String>>,
     /// Domains that comments in the file state for it.
     pub stated: Vec<Stated>,
 }
@@ -74,13 +77,14 @@ pub fn subjects(shader: &Shader, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Su
         }
         let at = shader.file().locate(info.name.span.start);
         let mut stated = hints.about(info);
+        let dispatch = dispatched(shader, info);
         let ready = ready(shader, id, info).map(|(program, kernel, executable)| {
             let realistic = realistic(shader, info, &usages, &kernel);
             Box::new(Ready { program, kernel, executable, realistic })
         });
         stated.extend(ready.iter().flat_map(|ready| numbers(ready, &ranges, &stated)).collect::<Vec<_>>());
         let parameters = info.params.iter().map(Parameter::of).collect();
-        subjects.push(Subject { label, name: name.clone(), parameters, at, ready, stated });
+        subjects.push(Subject { label, name: name.clone(), parameters, at, ready, dispatch, stated });
     }
     Ok(subjects)
 }
@@ -159,6 +163,18 @@ fn ready(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Made, S
         }
     }
     alone(shader, id, info)
+}
+
+/// A compute stage as its author wrote it.
+fn dispatched(shader: &Shader, info: &FunctionInfo) -> Option<Result<Box<Dispatched>, String>> {
+    if info.name.name != "main" || shader.stage() != Stage::Compute {
+        return None;
+    }
+    let stage = Program::from_source_with(shader.file(), shader.stage(), shader.defines(), |_| Ok(Target::Stage));
+    match stage {
+        Ok(program) => Dispatched::new(&program).map(|ready| ready.map(Box::new)),
+        Err(error) => Some(Err(reason(&error))),
+    }
 }
 
 /// The function in a text of its own.

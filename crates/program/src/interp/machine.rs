@@ -23,10 +23,10 @@ pub enum OutputColumn<'m, C> {
 
 /// A loop or switch that slots can leave.
 #[derive(Default)]
-struct Breakable {
-    left: Mask,
+pub(super) struct Breakable {
+    pub left: Mask,
     /// Slots that go on with the next round; `None` for a switch.
-    next: Option<Mask>,
+    pub next: Option<Mask>,
 }
 
 /// Registers, masks and findings of one chunk after the other.
@@ -42,9 +42,9 @@ pub struct Machine<'e, D: Domain> {
     pub(super) ended: Words,
     pub(super) active: Mask,
     /// Slots that were discarded, ran out of fuel or were given up.
-    stopped: Mask,
-    breakable: Vec<Breakable>,
-    fuel: Words,
+    pub(super) stopped: Mask,
+    pub(super) breakable: Vec<Breakable>,
+    pub(super) fuel: Words,
     fuel_limit: u32,
     pub(super) flags: [Flags; SLOTS],
     pub(super) findings: Vec<Finding>,
@@ -53,7 +53,7 @@ pub struct Machine<'e, D: Domain> {
     /// What is put in the place of undefined values, and what is noted of them.
     pub(super) probe: Option<Probe>,
     /// The invocation of each slot; slots behind the last one follow the first.
-    invocations: [usize; SLOTS],
+    pub(super) invocations: [usize; SLOTS],
     pub(super) slots: usize,
 }
 
@@ -108,10 +108,27 @@ impl<'e, D: Domain> Machine<'e, D> {
     }
 
     fn start(&mut self, batch: &Batch, slots: usize, invocation: impl Fn(usize) -> usize) {
-        self.slots = slots;
         if slots > 0 {
             self.invocations = std::array::from_fn(|slot| invocation(if slot < slots { slot } else { 0 }));
         }
+        self.prepare(slots);
+        if slots > 0 {
+            self.fill(batch);
+        }
+        for k in 0..self.executable.poisoned.len() {
+            self.poison(self.executable.poisoned[k], Mask::ALL);
+        }
+        let executable = self.executable;
+        // Slots behind the last invocation follow the first one, so that full masks stay full.
+        if slots > 0 {
+            self.active = Mask::ALL;
+            self.block(&executable.body);
+        }
+    }
+
+    /// Registers and masks as they are before the first instruction.
+    pub(super) fn prepare(&mut self, slots: usize) {
+        self.slots = slots;
         self.domain.begin();
         for &constant in &self.executable.constants {
             match constant {
@@ -121,24 +138,12 @@ impl<'e, D: Domain> Machine<'e, D> {
                 Constant::Word { to, value } => self.words[to as usize] = [value; SLOTS],
             }
         }
-        if slots > 0 {
-            self.fill(batch);
-        }
-        for k in 0..self.executable.poisoned.len() {
-            self.poison(self.executable.poisoned[k], Mask::ALL);
-        }
         (self.emitted, self.ended) = ([0; SLOTS], [0; SLOTS]);
         self.flags = [Flags::default(); SLOTS];
         self.fuel = [self.fuel_limit; SLOTS];
         self.active = Mask::first(slots);
         self.stopped = Mask::NONE;
         self.breakable.clear();
-        let executable = self.executable;
-        // Slots behind the last invocation follow the first one, so that full masks stay full.
-        if slots > 0 {
-            self.active = Mask::ALL;
-            self.block(&executable.body);
-        }
     }
 
     fn fill(&mut self, batch: &Batch) {
@@ -198,7 +203,7 @@ impl<'e, D: Domain> Machine<'e, D> {
         }
     }
 
-    fn step(&mut self, inst: &'e Inst) {
+    pub(super) fn step(&mut self, inst: &'e Inst) {
         match inst {
             Inst::Real1 { op, to, a, site } => {
                 let mut out = take(&mut self.reals[*to as usize]);
@@ -363,6 +368,8 @@ impl<'e, D: Domain> Machine<'e, D> {
                 self.stopped = self.stopped.or(self.active);
                 self.active = Mask::NONE;
             }
+            // A program with shared memory is run by a group, which does these itself.
+            Inst::Memory(_) | Inst::Length { .. } | Inst::Barrier { .. } => {}
             Inst::EmitVertex => self.emit_vertex(),
             Inst::EndPrimitive => {
                 for slot in self.active.slots() {

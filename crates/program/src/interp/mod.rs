@@ -14,6 +14,7 @@ mod allocate;
 mod code;
 mod compile;
 mod domain;
+pub mod group;
 mod half;
 mod indexed;
 mod integer;
@@ -32,6 +33,9 @@ use thiserror::Error;
 
 use crate::{Place as Found, Port, Program, ReadBack, Written};
 use base::value::{Batch, Scalar};
+
+#[cfg(test)]
+use compile::shape as compile_shape;
 
 pub use code::{Executable, Guarded, Place};
 pub use compile::{Binding, Subject};
@@ -129,6 +133,39 @@ pub fn compile(program: &Program) -> Result<Executable, InterpError> {
         built_ins: &program.built_ins,
         textures: &program.textures,
         max_vertices: program.output_layout().max_vertices,
+        shared: &[],
+    })?;
+    Ok(Executable { words_defined: program.written != Written::Glsl, ..executable })
+}
+
+/// Compiles the compute stage of a program as a dispatch runs it: all that is in buffers, in the memory of a workgroup or
+/// given to the whole dispatch is memory.
+///
+/// # Errors
+/// [`InterpError::Unsupported`] for constructs that are not interpreted.
+pub fn compile_dispatch(program: &Program) -> Result<Executable, InterpError> {
+    use naga::AddressSpace as Space;
+    let shared: Vec<_> = program
+        .module
+        .global_variables
+        .iter()
+        .filter(|(_, v)| {
+            matches!(v.space, Space::WorkGroup | Space::Storage { .. } | Space::Uniform | Space::Immediate)
+        })
+        .map(|(handle, _)| handle)
+        .collect();
+    let built_ins = program.built_ins_of_entry();
+    let executable = Executable::compile(&Subject {
+        module: &program.module,
+        info: &program.info,
+        entry: program.entry,
+        inputs: &[],
+        uniforms: &[],
+        outputs: &[],
+        built_ins: &built_ins,
+        textures: &program.textures,
+        max_vertices: None,
+        shared: &shared,
     })?;
     Ok(Executable { words_defined: program.written != Written::Glsl, ..executable })
 }
@@ -149,6 +186,7 @@ pub fn compile_read_back(back: &ReadBack) -> Result<Executable, InterpError> {
         built_ins: &back.built_ins,
         textures: &back.textures,
         max_vertices: back.max_vertices,
+        shared: &[],
     })
 }
 

@@ -91,6 +91,7 @@ fn is_control(inst: &Inst) -> bool {
             | Inst::Switch { .. }
             | Inst::Loop { .. }
             | Inst::Call { .. }
+            | Inst::Barrier { .. }
             | Inst::Break
             | Inst::Continue
             | Inst::Return

@@ -27,7 +27,7 @@ impl Executable {
 }
 
 /// Calls `f` for each instruction, those of blocks inside of others too.
-fn each(block: &[Inst], f: &mut impl FnMut(&Inst)) {
+pub(super) fn each(block: &[Inst], f: &mut impl FnMut(&Inst)) {
     for inst in block {
         f(inst);
         match inst {

@@ -43,6 +43,7 @@ struct Function<'a> {
     samples: u64,
     hostile: u64,
     edges: u64,
+    dispatches: u64,
     not_run: Option<&'a str>,
     inputs: Vec<Domain<'a>>,
     textures: &'a [String],
@@ -154,6 +155,7 @@ fn function(report: &FunctionReport) -> Function<'_> {
         samples: report.samples,
         hostile: report.hostile,
         edges: report.edges,
+        dispatches: report.dispatches,
         not_run: report.not_run.as_deref(),
         inputs: report
             .inputs

@@ -45,7 +45,13 @@ pub fn line(function: &FunctionReport, color: bool) -> String {
                 0 => String::new(),
                 hostile => format!(", {hostile} of them hostile"),
             };
-            let mut parts = vec![format!("{} samples{of}", function.samples)];
+            let mut parts = Vec::new();
+            if function.samples > 0 || function.dispatches == 0 {
+                parts.push(format!("{} samples{of}", function.samples));
+            }
+            if function.dispatches > 0 {
+                parts.push(format!("{} dispatches", function.dispatches));
+            }
             for (severity, one, many) in counted {
                 match function.of(severity).count() {
                     0 => {}
@@ -192,7 +198,8 @@ fn one(text: &mut String, function: &FunctionReport, finding: &Finding, color: b
             n if function.taken_for.is_empty() => format!(", {n} of them with moderate or stated inputs"),
             n => format!(", {n} of them with realistic or stated inputs"),
         };
-        let _ = writeln!(text, "  samples    {}{counting}", finding.count);
+        let what = if finding.is_of_dispatch() { "times" } else { "samples" };
+        let _ = writeln!(text, "  {what:<10} {}{counting}", finding.count);
     }
     let mut label = "smallest";
     for input in &finding.inputs {

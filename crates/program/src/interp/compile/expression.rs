@@ -98,6 +98,9 @@ impl<'m> Compiler<'m> {
             {
                 Vec::new()
             }
+            Expression::GlobalVariable(global) if self.subject.shared.contains(&global) => {
+                return Ok(self.shared(global));
+            }
             Expression::GlobalVariable(global) => {
                 let constant = self.module.global_variables[global].space == AddressSpace::Uniform;
                 return Ok(Self::whole(self.global(global)?, constant));
@@ -110,6 +113,10 @@ impl<'m> Compiler<'m> {
             }
             Expression::Load { pointer } => {
                 let inner = self.pointee(frame, pointer);
+                if let Value::Pointer(place @ Pointer { memory: Some(_), .. }) = self.value(frame, pointer)? {
+                    let loaded = self.load_shared(site, &place, &inner).map_err(|what| unsupported(what, span))?;
+                    return Ok(Value::Registers(loaded.into()));
+                }
                 let len = types::count(self.module, &inner).map_err(|what| unsupported(what, span))?;
                 let pointer = self.pointer(frame, pointer)?;
                 self.load(frame, site, &pointer, len)?
@@ -142,9 +149,10 @@ impl<'m> Compiler<'m> {
             Expression::ImageLoad { .. } => self.image_load(frame, site, handle, span)?,
             Expression::ImageQuery { image, query } => self.image_query(frame, site, (image, query), span)?,
             Expression::Derivative { .. } => return refuse("derivatives between fragments"),
-            Expression::AtomicResult { .. } => return refuse("atomics"),
-            Expression::WorkGroupUniformLoadResult { .. } => return refuse("loading for a whole workgroup"),
-            Expression::ArrayLength(_) => return refuse("arrays of run-time size"),
+            Expression::AtomicResult { .. } | Expression::WorkGroupUniformLoadResult { .. } => {
+                return Err(InterpError::internal("the result of a later statement".to_owned()));
+            }
+            Expression::ArrayLength(array) => vec![self.array_length(frame, array, span)?],
             Expression::RayQueryVertexPositions { .. }
             | Expression::RayQueryProceedResult
             | Expression::RayQueryGetIntersection { .. } => return refuse("ray queries"),

@@ -144,6 +144,9 @@ impl<'m> Compiler<'m> {
     ) -> Result<Value, InterpError> {
         let value = self.value(frame, base)?;
         let inner = self.pointee(frame, base);
+        if let Value::Pointer(pointer @ Pointer { memory: Some(_), .. }) = &value {
+            return self.shared_part(frame, pointer, (base, &inner), index);
+        }
         let part = types::part(self.module, &inner, index);
         let (at, len) = part.ok_or_else(|| unsupported("this kind of access".to_owned(), frame.span))?;
         Ok(match value {
@@ -163,6 +166,9 @@ impl<'m> Compiler<'m> {
         let value = self.value(frame, base)?;
         let index = self.single(frame, index)?.reg;
         let inner = self.pointee(frame, base);
+        if let Value::Pointer(pointer @ Pointer { memory: Some(_), .. }) = &value {
+            return Self::shared_element(self.module, frame, pointer, &inner, (index, site));
+        }
         let elements = types::elements(self.module, &inner);
         let (stride, len) = elements.ok_or_else(|| unsupported("this kind of access".to_owned(), frame.span))?;
         let b = self.word(len as u32, Scalar::U32).reg;
@@ -172,7 +178,7 @@ impl<'m> Compiler<'m> {
         let step = Index { reg, stride, len, stray };
         Ok(match value {
             Value::Registers(variable) => {
-                let pointer = Pointer { variable, constant: true, offset: 0, indices: vec![step] };
+                let pointer = Pointer { variable, constant: true, offset: 0, indices: vec![step], memory: None };
                 Value::Registers(self.load(frame, site, &pointer, stride)?.into())
             }
             Value::Pointer(mut pointer) => {
@@ -193,6 +199,6 @@ impl<'m> Compiler<'m> {
     }
 
     pub(super) fn whole(variable: Rc<[Register]>, constant: bool) -> Value {
-        Value::Pointer(Pointer { variable, constant, offset: 0, indices: Vec::new() })
+        Value::Pointer(Pointer { variable, constant, offset: 0, indices: Vec::new(), memory: None })
     }
 }

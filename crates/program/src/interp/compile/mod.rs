@@ -4,10 +4,12 @@ mod bits;
 mod cast;
 mod expression;
 mod geometric;
+mod layout;
 mod math;
 mod memory;
 mod operator;
 mod overlap;
+mod shared;
 mod statement;
 mod texture;
 mod types;
@@ -20,12 +22,13 @@ use naga::valid::{FunctionInfo, ModuleInfo};
 use naga::{AddressSpace, BuiltIn, Expression, Function, GlobalVariable, Handle, LocalVariable, Module, Type};
 
 use super::InterpError;
-use super::code::{Constant, Executable, File, Fill, Inst, Place, Reg, Register, Stray, TEMPORARY};
+use super::code::{Constant, Executable, File, Fill, Inst, Place, Reg, Register, Step, Stray, TEMPORARY};
 use super::domain::{Site, WordSource};
 use super::meaning::HazardKind;
 use super::rearrange::Draft;
 use crate::{Entry, PortAt, Texture};
 use base::value::Scalar;
+use layout::Layout;
 
 /// Where a value of the interface lies.
 #[derive(Clone, Debug)]
@@ -62,6 +65,8 @@ pub struct Subject<'m> {
     /// For a geometry stage, the number of vertices that are stored. Calls of functions named
     /// `EmitVertex` and `EndPrimitive` are then taken for what their names say.
     pub max_vertices: Option<u32>,
+    /// Variables in memory that the invocations of a dispatch share: buffers, and the memory of a workgroup.
+    pub shared: &'m [Handle<GlobalVariable>],
 }
 
 /// Instructions of one executable: calls are expanded in place, which can grow without measure.
@@ -76,6 +81,12 @@ impl Executable {
     pub fn compile(subject: &Subject<'_>) -> Result<Self, InterpError> {
         Compiler::new(subject).run()
     }
+}
+
+/// The memory behind a variable.
+#[cfg(test)]
+pub(in crate::interp) fn shape(module: &Module, handle: Handle<GlobalVariable>) -> super::group::MemoryShape {
+    layout::shape(module, handle).unwrap()
 }
 
 /// What an expression stands for.
@@ -96,6 +107,17 @@ struct Pointer {
     offset: usize,
     /// Dynamic indices, outermost first.
     indices: Vec<Index>,
+    /// Memory that invocations share, where the place lies in it: offset and strides count its words then.
+    memory: Option<Memory>,
+}
+
+/// Memory that a pointer leads to.
+#[derive(Clone, Debug)]
+struct Memory {
+    index: u32,
+    layout: Layout,
+    /// Dynamic indices, outermost first.
+    steps: Vec<Step>,
 }
 
 /// A dynamic index.
@@ -176,6 +198,8 @@ impl<'m> Compiler<'m> {
                 tables: subject.textures.iter().map(|t| t.contents.words().clone()).collect(),
                 words_defined: false,
                 draft: Arc::default(),
+                memories: Vec::new(),
+                numbers: Vec::new(),
             },
             sites: HashMap::new(),
             constant_sites: HashMap::new(),
@@ -212,9 +236,15 @@ impl<'m> Compiler<'m> {
             }
         }
         let _ = word;
-        for &(k, _) in self.subject.built_ins {
+        for &(k, built_in) in self.subject.built_ins {
             let registers = self.variable(function.arguments[k as usize].ty, naga::Span::UNDEFINED)?;
+            self.executable.numbers.push((built_in, registers.to_vec()));
             arguments[k as usize] = Some(Value::Registers(registers));
+        }
+        for &handle in self.subject.shared {
+            let shape = layout::shape(self.module, handle);
+            let span = self.module.global_variables.get_span(handle);
+            self.executable.memories.push(shape.map_err(|what| unsupported(what, span))?);
         }
         let result = match &function.result {
             Some(result) => self.variable(result.ty, naga::Span::UNDEFINED)?,
@@ -264,7 +294,13 @@ impl<'m> Compiler<'m> {
             }
             PortAt::Reference(k) => {
                 let registers = self.variable(binding.ty, naga::Span::UNDEFINED)?;
-                let pointer = Pointer { variable: registers.clone(), constant: false, offset: 0, indices: Vec::new() };
+                let pointer = Pointer {
+                    variable: registers.clone(),
+                    constant: false,
+                    offset: 0,
+                    indices: Vec::new(),
+                    memory: None,
+                };
                 *arguments.get_mut(k as usize).ok_or_else(strange)? = Some(Value::Pointer(pointer));
                 Ok(registers.to_vec())
             }
@@ -346,8 +382,13 @@ impl<'m> Compiler<'m> {
                     Some(Value::Registers(_)) => return Err(strange()),
                     None => {
                         let variable = self.variable(binding.ty, naga::Span::UNDEFINED)?;
-                        let pointer =
-                            Pointer { variable: variable.clone(), constant: false, offset: 0, indices: Vec::new() };
+                        let pointer = Pointer {
+                            variable: variable.clone(),
+                            constant: false,
+                            offset: 0,
+                            indices: Vec::new(),
+                            memory: None,
+                        };
                         *place = Some(Value::Pointer(pointer));
                         variable
                     }

@@ -134,6 +134,10 @@ fn part_of(frame: &Frame<'_>, pointer: Handle<Expression>) -> Option<Handle<Expr
 }
 
 fn meeting(a: &Target, b: &Target) -> Meeting {
+    // Places in shared memory are told apart while they are written.
+    if a.to.memory.is_some() || b.to.memory.is_some() {
+        return Meeting::Never;
+    }
     if !Rc::ptr_eq(&a.to.variable, &b.to.variable) && a.to.variable.first() != b.to.variable.first() {
         return Meeting::Never;
     }

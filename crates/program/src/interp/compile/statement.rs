@@ -167,18 +167,30 @@ impl<'m> Compiler<'m> {
             }
             Statement::Kill => self.push(Inst::Kill),
             Statement::Store { pointer, value } => {
+                let inner = self.pointee(frame, *pointer);
                 let pointer = self.pointer(frame, *pointer)?;
                 let value = self.registers(frame, *value)?;
-                self.store(frame, &pointer, &value)?;
+                if pointer.memory.is_some() {
+                    self.store_shared(frame, &pointer, &inner, &value)?;
+                } else {
+                    self.store(frame, &pointer, &value)?;
+                }
             }
             Statement::Call { function, arguments, result } => {
                 self.call(frame, *function, (arguments, rest), *result, span)?;
             }
-            Statement::ControlBarrier(_) => return refuse("barriers"),
+            Statement::ControlBarrier(barrier) => self.barrier(frame, *barrier, span)?,
+            // It orders what one invocation does, which is done in order here.
+            Statement::MemoryBarrier(_) if !self.subject.shared.is_empty() => {}
             Statement::MemoryBarrier(_) => return refuse("memory barriers"),
             Statement::ImageStore { .. } => return refuse("writing images"),
-            Statement::Atomic { .. } | Statement::ImageAtomic { .. } => return refuse("atomics"),
-            Statement::WorkGroupUniformLoad { .. } => return refuse("loading for a whole workgroup"),
+            Statement::Atomic { pointer, fun, value, result } => {
+                self.atomic(frame, *pointer, fun, *value, *result)?;
+            }
+            Statement::ImageAtomic { .. } => return refuse("atomics on images"),
+            Statement::WorkGroupUniformLoad { pointer, result } => {
+                self.uniform_load(frame, *pointer, *result, span)?;
+            }
             Statement::RayQuery { .. } => return refuse("ray queries"),
             Statement::RayPipelineFunction(_) => return refuse("ray tracing"),
             Statement::SubgroupBallot { .. }

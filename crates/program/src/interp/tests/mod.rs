@@ -9,3 +9,5 @@ mod ranges;
 mod rearrange;
 mod refusals;
 mod support;
+
+pub(in crate::interp) use support::wgsl;

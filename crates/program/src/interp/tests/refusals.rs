@@ -16,6 +16,7 @@ fn refused(text: &str) -> (String, String) {
         built_ins: &[],
         textures: &[],
         max_vertices: None,
+        shared: &[],
     };
     match Executable::compile(&subject) {
         Err(InterpError::Unsupported { what, span }) => {

@@ -9,7 +9,7 @@ use super::super::{Binary32, Binary64, Binding, Domain, Executable, FUEL, Interp
 use crate::{Entry, PortAt};
 use base::value::{Batch, Field, Record, Scalar, Shape};
 
-pub(super) fn wgsl(text: &str) -> (Module, ModuleInfo) {
+pub(in crate::interp) fn wgsl(text: &str) -> (Module, ModuleInfo) {
     let module = naga::front::wgsl::parse_str(text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(text)));
     validated(module)
 }
@@ -64,6 +64,7 @@ pub(super) fn compile_with((module, info): &(Module, ModuleInfo), feeds: bool) -
         built_ins: &[],
         textures: &[],
         max_vertices: None,
+        shared: &[],
     };
     Executable::compile(&subject)
 }

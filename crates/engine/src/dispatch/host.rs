@@ -1,0 +1,352 @@
+//! What a host does around a dispatch: how many workgroups, how long the buffers are, what is in them.
+
+use program::interp::group::{Buffer, Dispatch, Leaf, MemoryShape, Outcome, Space};
+
+use super::Dispatched;
+use base::value::Scalar;
+use property::Stream;
+
+/// Rounds of loops of one invocation, and of a whole dispatch.
+const FUEL: u32 = 1 << 14;
+const WORK: u64 = 1 << 22;
+/// Words of a buffer while its length is sought.
+const ROOM: usize = 1 << 16;
+
+/// A dispatch with everything that a host gives it.
+#[derive(Clone, Debug)]
+pub(super) struct Scenario {
+    pub groups: [u32; 3],
+    pub buffers: Vec<Buffer>,
+    /// Whole numbers that were chosen for uniforms, with their names.
+    pub settings: Vec<(String, u32)>,
+    /// Invocations that have no element: they fill up the workgroups.
+    pub surplus: u64,
+}
+
+/// How the length of an array follows from the elements of a dispatch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Length {
+    /// It is as long as this, times a ratio, plus a number.
+    Grows { with: Measure, times: (u64, u64), plus: u64 },
+    /// Nothing that was tried says how.
+    Unknown(u64),
+}
+
+/// A number of a dispatch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Measure {
+    /// All elements.
+    All,
+    /// Elements along one axis.
+    Along(usize),
+    /// Workgroups.
+    Groups,
+    /// 1.
+    One,
+}
+
+impl Measure {
+    fn of(self, items: [u32; 3], groups: [u32; 3]) -> u64 {
+        let product = |all: [u32; 3]| all.iter().map(|&n| u64::from(n)).product();
+        match self {
+            Self::All => product(items),
+            Self::Along(axis) => u64::from(items[axis]),
+            Self::Groups => product(groups),
+            Self::One => 1,
+        }
+    }
+}
+
+impl Length {
+    /// True for an array with one element, or a fixed number of them, for each element of the dispatch.
+    pub(super) fn is_by_elements(self) -> bool {
+        matches!(self, Self::Grows { with: Measure::All, plus: 0, .. })
+    }
+
+    fn elements(self, items: [u32; 3], groups: [u32; 3]) -> u32 {
+        let found = match self {
+            Self::Grows { with, times: (n, d), plus } => (with.of(items, groups) * n).div_ceil(d) + plus,
+            Self::Unknown(most) => most,
+        };
+        u32::try_from(found).unwrap_or(u32::MAX)
+    }
+}
+
+impl Dispatched {
+    /// Elements along each axis, small ones first; those that fill no workgroup are always among them.
+    pub(super) fn sizes(&self) -> Vec<[u32; 3]> {
+        if self.alone || self.axes.is_empty() {
+            return vec![self.size];
+        }
+        if let Some(fixed) = self.fixed_elements() {
+            let mut items = self.size;
+            let rest: u32 = items[1..].iter().product();
+            items[0] = fixed.div_ceil(rest.max(1)).max(1);
+            return vec![items];
+        }
+        let along = |axis: usize, k: usize| {
+            let n = self.size[axis];
+            let all = [1, 2, n.saturating_sub(1), n, n + 1, 2 * n - 1, 2 * n, 2 * n + n / 2 + 1];
+            all[k].max(1)
+        };
+        let axes = &self.axes[..];
+        let mut all: Vec<[u32; 3]> = match axes {
+            [_] => (0..8).map(|k| [k; 3]).collect(),
+            _ => vec![[0, 0, 0], [3, 3, 0], [4, 3, 0], [3, 4, 0], [5, 4, 0], [6, 3, 0], [7, 5, 1]],
+        }
+        .into_iter()
+        .map(|pattern: [usize; 3]| {
+            let mut items = [1; 3];
+            axes.iter().zip(pattern).for_each(|(&axis, k)| items[axis] = along(axis, k));
+            items
+        })
+        .collect();
+        all.dedup();
+        all
+    }
+
+    /// Elements of the longest array that hosts fill, where all of them have a fixed size.
+    fn fixed_elements(&self) -> Option<u32> {
+        let storage = || self.executable.memories().iter().filter(|shape| matches!(shape.space, Space::Storage { .. }));
+        if storage().any(|shape| shape.array.is_some()) {
+            return None;
+        }
+        let elements = |shape: &MemoryShape| {
+            let first = shape.fixed.iter().find(|leaf| leaf.name.contains("[]"))?;
+            let same = shape.fixed.iter().filter(|leaf| leaf.name == first.name && leaf.component == first.component);
+            u32::try_from(same.count()).ok().filter(|&n| n > 1)
+        };
+        storage().filter_map(elements).max()
+    }
+
+    pub(super) fn groups(&self, items: [u32; 3]) -> [u32; 3] {
+        std::array::from_fn(|axis| items[axis].div_ceil(self.size[axis]).max(1))
+    }
+
+    /// How long each array is: what the shader reaches where its elements fill the workgroups, for several sizes.
+    pub(super) fn lengths(&self) -> Vec<Length> {
+        let whole = |k: [u32; 3]| -> [u32; 3] {
+            std::array::from_fn(|axis| {
+                if self.alone || !self.axes.contains(&axis) { self.size[axis] } else { k[axis] * self.size[axis] }
+            })
+        };
+        let sizes = [whole([2, 2, 1]), whole([3, 2, 1]), whole([2, 3, 2])];
+        let mut reached: Vec<Vec<Option<u64>>> = vec![Vec::new(); self.executable.memories().len()];
+        for items in sizes {
+            let scenario = self.scenario(items, None, 0);
+            let outcome = self.play(&scenario);
+            for (k, shape) in self.executable.memories().iter().enumerate() {
+                let outside = outcome.incidents.iter().any(|i| i.memory == Some(k as u32) && i.index.is_some());
+                let reach = shape.array.as_ref().filter(|_| !outside).map(|array| {
+                    (outcome.reach[k] as u64).saturating_sub(u64::from(array.offset)).div_ceil(u64::from(array.stride))
+                });
+                reached[k].push(reach);
+            }
+        }
+        let groups = sizes.map(|items| self.groups(items));
+        let one = |(k, reached): (usize, Vec<Option<u64>>)| {
+            // Who asks for the length makes do with any.
+            if self.uses.lengths.contains(&(k as u32)) {
+                return Length::Grows { with: Measure::All, times: (1, 1), plus: 0 };
+            }
+            let Some(reached) = reached.into_iter().collect::<Option<Vec<u64>>>() else {
+                return Length::Unknown(ROOM as u64);
+            };
+            let measures = [Measure::All, Measure::Along(0), Measure::Along(1), Measure::Groups, Measure::One];
+            let at = |with: Measure, n: usize| with.of(sizes[n], groups[n]);
+            let varies = |with: Measure| with == Measure::One || (0..3).any(|n| at(with, n) != at(with, 0));
+            for with in measures.into_iter().filter(|with| varies(*with)) {
+                if (1..3).all(|n| reached[n] * at(with, 0) == reached[0] * at(with, n)) {
+                    return Length::Grows { with, times: (reached[0].max(1), at(with, 0)), plus: 0 };
+                }
+            }
+            for with in measures.into_iter().filter(|with| varies(*with)) {
+                let beyond = |n: usize| reached[n].checked_sub(at(with, n));
+                if let Some(plus) = beyond(0).filter(|_| (1..3).all(|n| beyond(n) == beyond(0))) {
+                    return Length::Grows { with, times: (1, 1), plus };
+                }
+            }
+            Length::Unknown(reached.into_iter().max().unwrap_or(1).max(1))
+        };
+        reached.into_iter().enumerate().map(one).collect()
+    }
+
+    /// What a host does for so many elements. Without lengths, arrays are longer than they need to be.
+    pub(super) fn scenario(&self, items: [u32; 3], lengths: Option<&[Length]>, variant: u64) -> Scenario {
+        let groups = self.groups(items);
+        let mut settings = Vec::new();
+        let mut buffers = Vec::new();
+        let key = property::mix(0x5eed + variant, items.iter().fold(0, |key, &n| property::mix(key, u64::from(n))));
+        for (k, shape) in self.executable.memories().iter().enumerate() {
+            let mut stream = Stream::new(property::mix(key, k as u64));
+            let elements = match (&shape.array, lengths) {
+                (None, _) => 0,
+                (Some(_), Some(lengths)) => lengths[k].elements(items, groups),
+                (Some(_), None) if self.uses.lengths.contains(&(k as u32)) => items.iter().product(),
+                (Some(array), None) => (ROOM / array.stride as usize) as u32,
+            };
+            // Nobody needs more than this to see what goes wrong.
+            let elements = elements.min(1 << 20);
+            let mut words = vec![0; if shape.space == Space::Workgroup { 0 } else { shape.words_with(elements) }];
+            if !words.is_empty() {
+                let host = Host { items, groups, variant };
+                for leaf in &shape.fixed {
+                    let chosen = host.fixed(shape, leaf, &mut stream);
+                    words[leaf.offset as usize] = chosen;
+                    if shape.space == Space::Uniform && leaf.scalar != Scalar::F32 {
+                        settings.push((named(shape, leaf), chosen));
+                    }
+                }
+                if let Some(array) = &shape.array {
+                    // What is counted up begins with 0.
+                    let filled = if self.uses.atomics.contains(&(k as u32)) { 0 } else { elements };
+                    for index in 0..filled as usize {
+                        for leaf in &array.leaves {
+                            let at = array.offset as usize + index * array.stride as usize + leaf.offset as usize;
+                            let name = if leaf.name.is_empty() { &shape.name } else { &*leaf.name };
+                            words[at] = host.element(name, leaf.scalar, &mut stream);
+                        }
+                    }
+                }
+            }
+            buffers.push(Buffer { words, elements });
+        }
+        let product = |all: [u32; 3]| -> u64 { all.iter().map(|&n| u64::from(n)).product() };
+        let surplus = (product(groups) * product(self.size)).saturating_sub(product(items));
+        Scenario { groups, buffers, settings, surplus }
+    }
+
+    pub(super) fn play(&self, scenario: &Scenario) -> Outcome {
+        self.executable.dispatch::<f32>(&Dispatch {
+            size: self.size,
+            groups: scenario.groups,
+            buffers: &scenario.buffers,
+            zeroed: self.zeroed,
+            fuel: FUEL,
+            work: WORK,
+        })
+    }
+}
+
+fn named(shape: &MemoryShape, leaf: &Leaf) -> String {
+    let mut name = if leaf.name.is_empty() { shape.name.clone() } else { leaf.name.to_string() };
+    if let Some(k) = leaf.component {
+        name += [".x", ".y", ".z", ".w"].get(k as usize).copied().unwrap_or("");
+    }
+    name
+}
+
+/// The choices of a host for one dispatch.
+struct Host {
+    items: [u32; 3],
+    groups: [u32; 3],
+    variant: u64,
+}
+
+impl Host {
+    /// A number that stands by itself in a buffer.
+    fn fixed(&self, shape: &MemoryShape, leaf: &Leaf, stream: &mut Stream) -> u32 {
+        let name = if leaf.name.is_empty() { &shape.name } else { &*leaf.name };
+        match leaf.scalar {
+            Scalar::F32 => self.element(name, Scalar::F32, stream),
+            Scalar::Bool => (self.variant % 2) as u32,
+            Scalar::I32 | Scalar::U32 => {
+                // What is written is counted up from 0.
+                if matches!(shape.space, Space::Storage { writes: true }) {
+                    return 0;
+                }
+                self.count(name, leaf.component)
+            }
+        }
+    }
+
+    /// A whole number of a uniform, by its name.
+    fn count(&self, name: &str, component: Option<u32>) -> u32 {
+        let name = name.rsplit('.').next().unwrap_or(name).trim_end_matches("[]");
+        let words = words(name);
+        let is = |any: &[&str]| words.iter().any(|word| any.contains(&word.as_str()));
+        let all: u32 = self.items.iter().product();
+        let many = self.items.iter().filter(|&&n| n > 1).count() > 1;
+        if let Some(component) = component {
+            let along = self.items.get(component as usize).copied().unwrap_or(1);
+            return if is(&["offset", "start", "base", "first", "origin"]) { 0 } else { along };
+        }
+        if is(&["offset", "start", "base", "first", "begin", "origin", "pad", "padding"]) {
+            0
+        } else if is(&["groups", "workgroups", "blocks", "partitions", "tiles"]) {
+            self.groups.iter().product()
+        } else if is(&["width", "w", "cols", "columns", "nx", "x"]) {
+            self.items[0]
+        } else if is(&["height", "h", "rows", "ny", "y"]) {
+            self.items[1]
+        } else if is(&["depth", "layers", "nz", "z"]) {
+            self.items[2]
+        } else if is(&["stride", "pitch"]) || (many && is(&["size", "dim", "dims", "side", "edge", "n", "m", "k"])) {
+            self.items[0]
+        } else if is(&[
+            "n",
+            "num",
+            "count",
+            "size",
+            "len",
+            "length",
+            "total",
+            "elements",
+            "items",
+            "limit",
+            "number",
+            "end",
+            "cnt",
+            "dim",
+            "side",
+            "particles",
+            "vertices",
+            "max",
+        ]) {
+            all
+        } else {
+            // A step, a flag, a level: nobody knows.
+            [1, 0, 2, 3][(self.variant % 4) as usize]
+        }
+    }
+
+    /// A number of an array.
+    fn element(&self, name: &str, scalar: Scalar, stream: &mut Stream) -> u32 {
+        let all: u32 = self.items.iter().product();
+        match scalar {
+            Scalar::F32 => {
+                let unit = stream.unit();
+                let value = if self.variant % 2 == 0 { 2.0 * unit - 1.0 } else { unit };
+                (value as f32).to_bits()
+            }
+            Scalar::Bool => stream.below(2) as u32,
+            Scalar::I32 | Scalar::U32 => {
+                let words = words(name);
+                let is = |any: &[&str]| words.iter().any(|word| any.contains(&word.as_str()));
+                let most = if is(&["flags", "flag", "mask", "level", "kind", "type", "tag"]) { 4 } else { all.max(1) };
+                stream.below(most as usize) as u32
+            }
+        }
+    }
+}
+
+/// The words of a name, in lower case: `numItems`, `num_items`.
+fn words(name: &str) -> Vec<String> {
+    let mut all: Vec<String> = Vec::new();
+    let mut before = '_';
+    for c in name.chars() {
+        if !c.is_alphanumeric() {
+            before = '_';
+            continue;
+        }
+        let begins = before == '_' || (c.is_uppercase() && before.is_lowercase());
+        if begins || all.is_empty() {
+            all.push(String::new());
+        }
+        if let Some(word) = all.last_mut() {
+            word.extend(c.to_lowercase());
+        }
+        before = c;
+    }
+    all
+}

@@ -1,0 +1,58 @@
+//! Compute stages as whole dispatches: what invocations do to each other and to the buffers of a host.
+//!
+//! Nobody states what the host of a shader does. It is guessed as hosts are written: as many invocations as there are
+//! elements, rounded up to whole workgroups, counts in uniforms that say so by their names, and buffers as long as the
+//! shader needs them where the elements fill the workgroups. What depends on these guesses is told as such.
+//!
+//! ```text
+//! Program ─ compile_dispatch ─▶ Kernel of a dispatch ─ host ─▶ scenarios, small ones first
+//! scenario ─ interp::group ─▶ incidents ─ depends ─▶ findings, warnings, notes
+//! ```
+
+mod host;
+mod run;
+mod tell;
+
+use program::interp::group::{Depends, Uses};
+use program::interp::{self, Executable};
+use program::{Program, Written};
+
+pub use run::run;
+
+/// A compute stage that can be dispatched.
+pub struct Dispatched {
+    /// The stage as its author wrote it.
+    pub program: Program,
+    /// What the interpreter runs.
+    pub executable: Executable,
+    /// Invocations of a workgroup.
+    pub size: [u32; 3],
+    depends: Depends,
+    uses: Uses,
+    /// Axes along which the invocations differ in what they do.
+    axes: Vec<usize>,
+    /// One workgroup is all that it is written for: nothing asks which one it is.
+    alone: bool,
+    /// The memory of a workgroup begins with zeros.
+    zeroed: bool,
+}
+
+impl Dispatched {
+    /// Makes a stage ready; `None` for what is no compute stage.
+    ///
+    /// # Errors
+    /// What cannot be interpreted, with its place.
+    pub fn new(program: &Program) -> Option<Result<Self, String>> {
+        let size = program.workgroup_size()?;
+        let executable = match interp::compile_dispatch(program) {
+            Ok(executable) => executable,
+            Err(error) => return Some(Err(error.locate(program))),
+        };
+        let differs = |axis: &usize| size[*axis] > 1 || executable.reads_local(*axis) || executable.reads_global(*axis);
+        let axes = (0..3).filter(differs).collect();
+        let alone = (0..3).all(|axis| !executable.reads_global(axis));
+        let (depends, uses) = (executable.depends(), executable.uses());
+        let zeroed = program.written == Written::Wgsl;
+        Some(Ok(Self { program: program.clone(), executable, size, depends, uses, axes, alone, zeroed }))
+    }
+}

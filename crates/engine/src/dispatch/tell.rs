@@ -1,0 +1,222 @@
+//! What went wrong in a dispatch, in words.
+
+use program::interp::group::{Access, MemoryShape, Party, Sources, Space, Wrong};
+use program::interp::{Finding as Hazard, Site, author_span};
+
+use super::Dispatched;
+use super::host::{Length, Scenario};
+use super::run::Met;
+use crate::InputValue;
+use crate::fuzz::{Finding, FuzzFindingKind, Part, Severity, WORKGROUPS};
+use judge::verdict::diagnosis::Place;
+
+impl Dispatched {
+    /// An incident as a finding.
+    pub(super) fn told(&self, met: &Met, command: &str) -> Finding {
+        let incident = &met.incident;
+        let shape = incident.memory.and_then(|k| self.executable.memories().get(k as usize));
+        let sources = match incident.other {
+            Some(other) => [incident.who.site, other.site],
+            None => [incident.who.site; 2],
+        }
+        .map(|site| self.depends.of(site));
+        let kind = match incident.what {
+            Wrong::Outside => FuzzFindingKind::Index,
+            Wrong::Race | Wrong::SameValue => FuzzFindingKind::Race,
+            Wrong::Divergence => FuzzFindingKind::Divergence,
+            Wrong::Unwritten => FuzzFindingKind::Unset,
+        };
+        let severity = self.severity(met, shape, sources);
+        let message = self.message(met, shape);
+        self.finding(kind, severity, message, incident.who.site, (incident.count, &met.scenario), command)
+    }
+
+    /// A loop that went on for too long.
+    pub(super) fn told_endless(&self, hazard: &Hazard, scenario: &Scenario, command: &str) -> Finding {
+        let sources = self.depends.of(hazard.site);
+        let severity = if sources.is_empty() { Severity::Warning } else { Severity::Note };
+        let message = "this loop does not end in reasonable time".to_owned();
+        let kind = FuzzFindingKind::Endless;
+        self.finding(kind, severity, message, hazard.site, (hazard.count, scenario), command)
+    }
+
+    /// How bad it is: what depends on the numbers of invocations alone holds whatever a host does.
+    fn severity(&self, met: &Met, shape: Option<&MemoryShape>, sources: [Sources; 2]) -> Severity {
+        let incident = &met.incident;
+        let storage = |sources: &Sources| {
+            let memories = self.executable.memories().iter().enumerate();
+            memories.into_iter().any(|(k, shape)| matches!(shape.space, Space::Storage { .. }) && sources.has(k))
+        };
+        // Both get to the same element whatever the numbers are: one of many runs is enough.
+        let fixed = [Some(incident.who), incident.other];
+        let fixed = fixed.into_iter().flatten().all(|party| self.depends.leads(party.site).is_empty());
+        let certain = sources.iter().all(|sources| sources.is_empty());
+        let by_contents = sources.iter().any(storage);
+        // Two writes meet where indices repeat, which they may never do; who reads what another one writes waits for it.
+        let mixed =
+            incident.other.is_some_and(|other| (incident.who.access, other.access) != (Access::Write, Access::Write));
+        let shared = shape.is_some_and(|shape| shape.space == Space::Workgroup);
+        match incident.what {
+            Wrong::SameValue => Severity::Note,
+            Wrong::Outside => self.severity_outside(met, shape, certain, by_contents),
+            _ if certain => Severity::Finding,
+            // Where all invocations take one branch, nobody is missing.
+            Wrong::Divergence if !by_contents => Severity::Finding,
+            Wrong::Race | Wrong::Unwritten if shared && (fixed || !by_contents) => Severity::Finding,
+            Wrong::Divergence | Wrong::Unwritten => Severity::Warning,
+            Wrong::Race if shared || !by_contents || mixed => Severity::Warning,
+            Wrong::Race => Severity::Note,
+        }
+    }
+
+    /// An index outside of an array: whose length is fixed, or asked for, or guessed.
+    fn severity_outside(&self, met: &Met, shape: Option<&MemoryShape>, certain: bool, by_contents: bool) -> Severity {
+        let incident = &met.incident;
+        let asked = incident.memory.is_some_and(|memory| self.uses.lengths.contains(&memory));
+        let open = shape.is_some_and(|shape| shape.array.is_some()) && met.length.is_some();
+        let led = !self.depends.leads(incident.who.site).is_empty();
+        match (open && !asked, by_contents) {
+            (false, _) if certain => Severity::Finding,
+            // A host may fill up its buffers as it fills up workgroups. Where most invocations without an element are
+            // kept away, it does not.
+            (true, false) if met.guarded && met.length.is_some_and(Length::is_by_elements) => Severity::Finding,
+            (_, false) => Severity::Warning,
+            (false, true) if !led => Severity::Warning,
+            (_, true) => Severity::Note,
+        }
+    }
+
+    fn message(&self, met: &Met, shape: Option<&MemoryShape>) -> String {
+        let incident = &met.incident;
+        let groups = met.scenario.groups;
+        let name = shape.map_or("", |shape| &shape.name);
+        let place = shape.zip(incident.word).map(|(shape, word)| shape.place(word)).unwrap_or_default();
+        let who = self.invocation(incident.who, groups);
+        match (incident.what, incident.other) {
+            (Wrong::Outside, _) => {
+                let (index, len) = incident.index.unwrap_or_default();
+                let does = if incident.who.access == Access::Read { "reads" } else { "writes" };
+                let signed = index.cast_signed();
+                let index =
+                    if signed < 0 && signed > -65_536 { format!("{index} ({signed})") } else { index.to_string() };
+                format!("{who} {does} `{name}` at index {index}, outside of its {len} elements")
+            }
+            (Wrong::Race, Some(other)) => {
+                let ordered = if other.group == incident.who.group {
+                    "with no barrier between"
+                } else {
+                    "and nothing orders two workgroups"
+                };
+                let own = did(incident.who.access);
+                let theirs = did(other.access);
+                let at = self.at(other.site);
+                format!(
+                    "race on `{place}`: {who} {own} it, and {} {theirs} it{at}, {ordered}",
+                    self.invocation(other, groups)
+                )
+            }
+            (Wrong::SameValue, Some(other)) => {
+                let other = self.invocation(other, groups);
+                format!("{who} and {other} write the same value to `{place}`, with nothing between")
+            }
+            (Wrong::Divergence, Some(other)) => {
+                format!("{who} does not reach this barrier, at which {} waits", self.invocation(other, groups))
+            }
+            (Wrong::Unwritten, _) => format!("{who} reads `{place}`, to which nobody has written"),
+            (Wrong::Race | Wrong::SameValue, None) => format!("{who} meets another one at `{place}`"),
+            (Wrong::Divergence, None) => format!("{who} does not reach this barrier"),
+        }
+    }
+
+    /// The author's words for an invocation.
+    fn invocation(&self, party: Party, groups: [u32; 3]) -> String {
+        let apart = |n: u32, of: [u32; 3]| [n % of[0], n / of[0] % of[1], n / of[0] / of[1]];
+        let shown = |all: [u32; 3], of: [u32; 3]| match of {
+            [_, 1, 1] => all[0].to_string(),
+            [_, _, 1] => format!("({}, {})", all[0], all[1]),
+            _ => format!("({}, {}, {})", all[0], all[1], all[2]),
+        };
+        let local = shown(apart(party.local, self.size), self.size);
+        if groups == [1; 3] {
+            return format!("invocation {local}");
+        }
+        format!("invocation {local} of workgroup {}", shown(apart(party.group, groups), groups))
+    }
+
+    fn at(&self, site: Site) -> String {
+        let span = author_span(&self.program, &self.executable.place(site));
+        span.map_or_else(String::new, |span| {
+            let at = Place::of(&self.program.file, span).at;
+            format!(" at {at}")
+        })
+    }
+
+    fn finding(
+        &self,
+        kind: FuzzFindingKind,
+        severity: Severity,
+        message: String,
+        site: Site,
+        (count, scenario): (u64, &Scenario),
+        command: &str,
+    ) -> Finding {
+        let span = author_span(&self.program, &self.executable.place(site));
+        let place = span.map(|span| {
+            let place = Place::of(&self.program.file, span);
+            let text = place.text.split_whitespace().collect::<Vec<_>>().join(" ");
+            Place { text, ..place }
+        });
+        Finding {
+            kind,
+            severity,
+            part: Part::Realistic,
+            cause: None,
+            message,
+            place,
+            lane: None,
+            count,
+            counting: count,
+            inputs: self.inputs(scenario),
+            output: None,
+            meaning: None,
+            found: None,
+            condition: None,
+            worst: None,
+            diagnosis: None,
+            reproduce: Some(command.to_owned()),
+        }
+    }
+
+    /// What the host does in a scenario.
+    fn inputs(&self, scenario: &Scenario) -> Vec<InputValue> {
+        let value = |name: String, words: Vec<u32>| InputValue {
+            declared: name.clone(),
+            name,
+            decimal: words.iter().map(u32::to_string).collect(),
+            bits: words,
+        };
+        let trimmed = |all: [u32; 3]| {
+            let len = all.iter().rposition(|&n| n > 1).map_or(1, |last| last + 1);
+            all[..len].to_vec()
+        };
+        let mut all = vec![
+            value(WORKGROUPS.to_owned(), trimmed(scenario.groups)),
+            value("invocations of each".to_owned(), trimmed(self.size)),
+        ];
+        for (shape, buffer) in self.executable.memories().iter().zip(&scenario.buffers) {
+            if shape.array.is_some() {
+                all.push(value(format!("elements of `{}`", shape.name), vec![buffer.elements]));
+            }
+        }
+        all.extend(scenario.settings.iter().map(|(name, chosen)| value(name.clone(), vec![*chosen])));
+        all
+    }
+}
+
+fn did(access: Access) -> &'static str {
+    match access {
+        Access::Read => "reads",
+        Access::Write => "writes",
+        Access::Atomic => "changes",
+    }
+}

@@ -1,0 +1,302 @@
+//! What a place of a dispatch depends on that invocations do not bring with them: what a host puts into memory.
+
+use std::collections::{HashMap, HashSet};
+
+use naga::BuiltIn;
+
+use super::super::code::{Executable, File, Inst, MemoryAccess, MemoryOp, Reg, Step, Touch};
+use super::super::domain::Site;
+use super::shape::Space;
+
+/// A set of memories by their numbers; all from the 64th on are one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sources(u64);
+
+impl Sources {
+    fn one(memory: u32) -> Self {
+        Self(1 << memory.min(63))
+    }
+
+    fn or(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// True where only the numbers of the invocation, constants and lengths have a say.
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// True when a memory is in the set.
+    pub fn has(self, memory: usize) -> bool {
+        self.0 >> memory.min(63) & 1 == 1
+    }
+}
+
+/// For each place of a program, the memories whose contents decide over where it leads and whether it is reached.
+#[derive(Clone, Debug, Default)]
+pub struct Depends {
+    sites: HashMap<Site, (Sources, Sources)>,
+}
+
+impl Depends {
+    /// What decides over whether a place is reached, and where it leads.
+    pub fn of(&self, site: Site) -> Sources {
+        let (leads, reached) = self.sites.get(&site).copied().unwrap_or_default();
+        leads.or(reached)
+    }
+
+    /// What decides over where it leads, once it is reached.
+    pub fn leads(&self, site: Site) -> Sources {
+        self.sites.get(&site).copied().unwrap_or_default().0
+    }
+}
+
+/// Memories that are asked for their length, or used by a program at all.
+#[derive(Clone, Debug, Default)]
+pub struct Uses {
+    /// Memories whose length the program reads.
+    pub lengths: HashSet<u32>,
+    /// Memories that are read, and that are written.
+    pub reads: HashSet<u32>,
+    /// See `reads`.
+    pub writes: HashSet<u32>,
+    /// Memories on which atomic functions are used.
+    pub atomics: HashSet<u32>,
+    /// True for a program with a barrier.
+    pub waits: bool,
+}
+
+#[derive(Default)]
+struct Pass {
+    registers: HashMap<(File, Reg), Sources>,
+    contents: HashMap<u32, Sources>,
+    /// Conditions under which invocations leave a block early.
+    left: Sources,
+    sites: HashMap<Site, (Sources, Sources)>,
+    changed: bool,
+}
+
+impl Executable {
+    /// What each place depends on.
+    pub fn depends(&self) -> Depends {
+        let mut pass = Pass::default();
+        let mut body = self.draft.body.clone();
+        loop {
+            pass.changed = false;
+            pass.left = Sources::default();
+            pass.block(self, &mut body, Sources::default());
+            if !pass.changed {
+                return Depends { sites: pass.sites };
+            }
+        }
+    }
+
+    /// What the program does with memory.
+    pub fn uses(&self) -> Uses {
+        let mut uses = Uses::default();
+        super::super::shape::each(&self.body, &mut |inst| match inst {
+            Inst::Length { memory, .. } => {
+                uses.lengths.insert(*memory);
+            }
+            Inst::Barrier { .. } => uses.waits = true,
+            Inst::Memory(MemoryAccess { memory, op, atomic, .. }) => {
+                if *atomic {
+                    uses.atomics.insert(*memory);
+                }
+                if !matches!(op, MemoryOp::Store(_)) {
+                    uses.reads.insert(*memory);
+                }
+                if !matches!(op, MemoryOp::Load(_)) {
+                    uses.writes.insert(*memory);
+                }
+            }
+            _ => {}
+        });
+        uses
+    }
+
+    /// Whether the program asks for the place of an invocation in its workgroup along an axis.
+    pub fn reads_local(&self, axis: usize) -> bool {
+        self.reads_numbers(&[BuiltIn::LocalInvocationId], axis)
+    }
+
+    /// Whether the program asks along an axis for its workgroup, the place in the dispatch, or its size.
+    pub fn reads_global(&self, axis: usize) -> bool {
+        self.reads_numbers(&[BuiltIn::GlobalInvocationId, BuiltIn::WorkGroupId, BuiltIn::NumWorkGroups], axis)
+    }
+
+    fn reads_numbers(&self, built_ins: &[BuiltIn], axis: usize) -> bool {
+        let of = self.numbers.iter().filter(|(own, _)| built_ins.contains(own));
+        let registers: HashSet<Reg> = of.filter_map(|(_, all)| all.get(axis)).map(|register| register.reg).collect();
+        if registers.is_empty() {
+            return false;
+        }
+        let mut body = self.draft.body.clone();
+        let mut held = registers;
+        // A front end may copy all components of a number into a variable: what matters is who reads that.
+        loop {
+            let before = held.len();
+            if reads(&mut body, &mut held) {
+                return true;
+            }
+            if held.len() == before {
+                return false;
+            }
+        }
+    }
+}
+
+/// True for a body that does more with one of these registers than to copy it; where it goes to is added to them.
+fn reads(body: &mut [Inst], held: &mut HashSet<Reg>) -> bool {
+    body.iter_mut().any(|inst| {
+        if let Inst::Copy { to, from } | Inst::Store { to, from } = inst {
+            if to.file() == File::Word && held.contains(from) {
+                held.insert(to.reg);
+            }
+            return false;
+        }
+        let mut found = false;
+        inst.registers(&mut |touch, file, reg| {
+            found |= (touch, file) == (Touch::Read, File::Word) && held.contains(reg);
+        });
+        found
+            || match inst {
+                Inst::If { accept, reject, .. } => reads(accept, held) || reads(reject, held),
+                Inst::Switch { cases, .. } => cases.iter_mut().any(|case| reads(&mut case.body, held)),
+                Inst::Loop { body, continuing, .. } => reads(body, held) || reads(continuing, held),
+                Inst::Call { body } => reads(body, held),
+                _ => false,
+            }
+    })
+}
+
+impl Pass {
+    fn note(&mut self, site: Site, leads: Sources, reached: Sources) {
+        let own = self.sites.entry(site).or_default();
+        let all = (own.0.or(leads), own.1.or(reached));
+        self.changed |= all != *own;
+        *own = all;
+    }
+
+    fn block(&mut self, executable: &Executable, body: &mut [Inst], around: Sources) {
+        for inst in body {
+            self.step(executable, inst, around);
+        }
+    }
+
+    fn of(&self, file: File, reg: Reg) -> Sources {
+        self.registers.get(&(file, reg)).copied().unwrap_or_default()
+    }
+
+    fn step(&mut self, executable: &Executable, inst: &mut Inst, around: Sources) {
+        let here = around.or(self.left);
+        let mut read = here;
+        inst.registers(&mut |touch, file, reg| {
+            if touch == Touch::Read {
+                read = read.or(self.of(file, *reg));
+            }
+        });
+        let mut given = read;
+        match inst {
+            Inst::Memory(access) => {
+                let step = |all: Sources, step: &Step| all.or(self.of(File::Word, step.reg));
+                let leads = access.steps.iter().fold(Sources::default(), step);
+                access.steps.iter().for_each(|step| self.note(step.site, leads, here));
+                self.note(access.site, leads, here);
+                let space = executable.memories.get(access.memory as usize).map(|shape| shape.space);
+                if !matches!(access.op, MemoryOp::Load(_)) {
+                    let own = self.contents.entry(access.memory).or_default();
+                    let all = own.or(read);
+                    self.changed |= all != *own;
+                    *own = all;
+                }
+                given = given.or(self.contents.get(&access.memory).copied().unwrap_or_default());
+                if space != Some(Space::Workgroup) {
+                    given = given.or(Sources::one(access.memory));
+                }
+            }
+            Inst::Length { .. } => given = here,
+            Inst::Barrier { site } => self.note(*site, Sources::default(), here),
+            Inst::Loop { site, .. } => self.note(*site, Sources::default(), here),
+            _ => {}
+        }
+        inst.registers(&mut |touch, file, reg| {
+            if touch == Touch::Write {
+                let own = self.registers.entry((file, *reg)).or_default();
+                let all = own.or(given);
+                self.changed |= all != *own;
+                *own = all;
+            }
+        });
+        match inst {
+            Inst::If { condition, accept, reject } => {
+                let inside = here.or(self.of(File::Word, *condition));
+                self.block(executable, accept, inside);
+                self.block(executable, reject, inside);
+                if leaves(accept) || leaves(reject) {
+                    self.leave(inside);
+                }
+            }
+            Inst::Switch { selector, cases } => {
+                let inside = here.or(self.of(File::Word, *selector));
+                cases.iter_mut().for_each(|case| self.block(executable, &mut case.body, inside));
+                if cases.iter().any(|case| continues(&case.body)) {
+                    self.leave(inside);
+                }
+            }
+            Inst::Loop { body, continuing, .. } => {
+                // All invocations that do not return get behind the loop.
+                let before = self.left;
+                self.block(executable, body, here);
+                self.block(executable, continuing, here);
+                if !returns(body) {
+                    self.left = before;
+                }
+            }
+            Inst::Call { body } => {
+                // Who returns early from a function goes on behind its call.
+                let before = self.left;
+                self.block(executable, body, here);
+                let after = std::mem::replace(&mut self.left, before);
+                if ends(body) {
+                    self.left = after;
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn leave(&mut self, sources: Sources) {
+        self.left = self.left.or(sources);
+    }
+}
+
+fn any(body: &[Inst], is: &dyn Fn(&Inst) -> bool) -> bool {
+    body.iter().any(|inst| {
+        is(inst)
+            || match inst {
+                Inst::If { accept, reject, .. } => any(accept, is) || any(reject, is),
+                Inst::Switch { cases, .. } => cases.iter().any(|case| any(&case.body, is)),
+                Inst::Loop { body, continuing, .. } => any(body, is) || any(continuing, is),
+                _ => false,
+            }
+    })
+}
+
+fn leaves(body: &[Inst]) -> bool {
+    any(body, &|inst| matches!(inst, Inst::Break | Inst::Continue | Inst::Return | Inst::Kill))
+}
+
+fn returns(body: &[Inst]) -> bool {
+    any(body, &|inst| matches!(inst, Inst::Return | Inst::Kill))
+}
+
+/// True for a case of which some way leads past what is behind it.
+fn continues(body: &[Inst]) -> bool {
+    any(body, &|inst| matches!(inst, Inst::Continue | Inst::Return | Inst::Kill))
+}
+
+/// True for a function that ends invocations.
+fn ends(body: &[Inst]) -> bool {
+    any(body, &|inst| matches!(inst, Inst::Kill))
+}

@@ -1,0 +1,243 @@
+//! What memory holds, and who touched each word of it.
+
+use std::collections::HashMap;
+
+use super::super::domain::Site;
+use super::super::plain::Number;
+use super::shape::{MemoryShape, Space};
+
+/// Something that is wrong with how invocations use memory or wait for each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Wrong {
+    /// An index that leads out of its array.
+    Outside,
+    /// Two invocations touch one word, one of them writes, and nothing comes between.
+    Race,
+    /// The same with writes of equal values alone.
+    SameValue,
+    /// A barrier that some invocations of the workgroup do not reach.
+    Divergence,
+    /// A word of a workgroup's memory that nobody has written.
+    Unwritten,
+}
+
+/// How a word was touched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Access {
+    /// Read.
+    Read,
+    /// Written.
+    Write,
+    /// Read or written by an atomic function.
+    Atomic,
+}
+
+/// One of two invocations that meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Party {
+    /// Number of its workgroup, counted along x first.
+    pub group: u32,
+    /// Number of the invocation in it, counted along x first.
+    pub local: u32,
+    /// What it did.
+    pub access: Access,
+    /// Where.
+    pub site: Site,
+}
+
+/// A place at which something is wrong, with the first time that it was.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Incident {
+    /// What.
+    pub what: Wrong,
+    /// The memory; of a barrier, none.
+    pub memory: Option<u32>,
+    /// The word of the memory, counted from its beginning.
+    pub word: Option<u32>,
+    /// For an index, its value and the number of elements.
+    pub index: Option<(u32, u32)>,
+    /// Who came upon it; of a barrier, one that does not reach it.
+    pub who: Party,
+    /// The other one that touched the same word; of a barrier, one that reaches it.
+    pub other: Option<Party>,
+    /// How often.
+    pub count: u64,
+}
+
+/// Who touched a word last.
+#[derive(Clone, Copy)]
+struct Touched {
+    party: Party,
+    /// Barriers of its workgroup before.
+    epoch: u32,
+    /// Number of the access in the dispatch.
+    time: u64,
+}
+
+/// Who touched a word since it was last written.
+#[derive(Clone, Copy, Default)]
+struct History {
+    write: Option<Touched>,
+    /// The last that read it, and the last before that is another invocation.
+    reads: [Option<Touched>; 2],
+}
+
+/// One memory.
+pub(super) struct Contents<N> {
+    pub space: Space,
+    /// Words as bits, and as numbers where a number was written.
+    bits: Vec<u32>,
+    reals: Vec<N>,
+    written: Vec<bool>,
+    history: Vec<History>,
+    /// Elements of the array at its end.
+    pub elements: u32,
+    /// Words up to the last one that was touched.
+    pub reach: usize,
+}
+
+impl<N: Number> Contents<N> {
+    pub(super) fn new(shape: &MemoryShape, words: Vec<u32>, elements: u32, written: bool) -> Self {
+        let reals = words.iter().map(|&bits| N::nearest(f64::from(f32::from_bits(bits)))).collect();
+        let len = words.len();
+        Self {
+            space: shape.space,
+            bits: words,
+            reals,
+            written: vec![written; len],
+            history: vec![History::default(); len],
+            elements,
+            reach: 0,
+        }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.bits.len()
+    }
+
+    pub(super) fn bits(&self, word: usize) -> u32 {
+        self.bits[word]
+    }
+
+    pub(super) fn real(&self, word: usize) -> N {
+        self.reals[word]
+    }
+
+    pub(super) fn is_written(&self, word: usize) -> bool {
+        self.written[word]
+    }
+
+    pub(super) fn set_bits(&mut self, word: usize, bits: u32) {
+        self.bits[word] = bits;
+        self.reals[word] = N::nearest(f64::from(f32::from_bits(bits)));
+        self.written[word] = true;
+    }
+
+    pub(super) fn set_real(&mut self, word: usize, value: N) {
+        self.bits[word] = (value.widen() as f32).to_bits();
+        self.reals[word] = value;
+        self.written[word] = true;
+    }
+
+    /// The words, and the numbers that they stand for where they are numbers.
+    pub(super) fn into_words(self) -> (Vec<u32>, Vec<f64>) {
+        (self.bits, self.reals.into_iter().map(N::widen).collect())
+    }
+}
+
+/// What invocations did to each other in one dispatch.
+#[derive(Default)]
+pub(super) struct Log {
+    /// Accesses so far.
+    time: u64,
+    /// For each workgroup, when it last used an atomic function on memory that other workgroups see.
+    atomics: HashMap<u32, u64>,
+    incidents: Vec<Incident>,
+}
+
+impl Log {
+    pub(super) fn report(&mut self, incident: Incident) {
+        let same = |own: &Incident| {
+            own.what == incident.what
+                && own.memory == incident.memory
+                && own.who.site == incident.who.site
+                && own.other.map(|other| other.site) == incident.other.map(|other| other.site)
+        };
+        match self.incidents.iter_mut().find(|own| same(own)) {
+            Some(own) => own.count += incident.count,
+            None => self.incidents.push(incident),
+        }
+    }
+
+    pub(super) fn into_incidents(self) -> Vec<Incident> {
+        self.incidents
+    }
+
+    /// Notes an access, and whether it meets another one. `changes` is false for a write of what the word holds.
+    pub(super) fn touch<N>(
+        &mut self,
+        memory: (u32, &mut Contents<N>),
+        word: usize,
+        party: Party,
+        epoch: u32,
+        changes: bool,
+    ) {
+        let (index, contents) = memory;
+        self.time += 1;
+        contents.reach = contents.reach.max(word + 1);
+        let now = Touched { party, epoch, time: self.time };
+        let shared = contents.space != Space::Workgroup;
+        if shared && party.access == Access::Atomic {
+            self.atomics.insert(party.group, self.time);
+        }
+        if contents.space == Space::Uniform {
+            return;
+        }
+        let history = &mut contents.history[word];
+        let meets = |before: &Option<Touched>| {
+            before.filter(|before| {
+                let both = before.party.access == Access::Atomic && party.access == Access::Atomic;
+                let same = before.party.group == party.group;
+                let own = same && before.party.local == party.local;
+                let ordered = same && before.epoch != epoch;
+                !own && !both && !ordered && (same || !self.is_passed_on(before, party.group))
+            })
+        };
+        let writes = party.access != Access::Read;
+        let mut met = meets(&history.write);
+        if writes {
+            met = met.or_else(|| history.reads.iter().find_map(meets));
+        }
+        if let Some(before) = met {
+            let plain = before.party.access == Access::Write && party.access == Access::Write;
+            let what = if plain && !changes { Wrong::SameValue } else { Wrong::Race };
+            let incident = Incident {
+                what,
+                memory: Some(index),
+                word: u32::try_from(word).ok(),
+                index: None,
+                who: party,
+                other: Some(before.party),
+                count: 1,
+            };
+            self.report(incident);
+        }
+        let history = &mut contents.history[word];
+        if writes {
+            *history = History { write: Some(now), reads: [None; 2] };
+        } else {
+            let same = |read: &Touched| (read.party.group, read.party.local) == (party.group, party.local);
+            if history.reads[0].as_ref().is_some_and(|read| !same(read)) {
+                history.reads[1] = history.reads[0];
+            }
+            history.reads[0] = Some(now);
+        }
+    }
+
+    /// Whether a workgroup can know of what another one did before: that one used an atomic function behind it, and
+    /// this one did later. Which function passes on what, only its author knows.
+    fn is_passed_on(&self, before: &Touched, group: u32) -> bool {
+        let after = self.atomics.get(&before.party.group).is_some_and(|&time| time > before.time);
+        after && self.atomics.get(&group).is_some_and(|&time| time > before.time)
+    }
+}

@@ -1,0 +1,365 @@
+//! Dispatches: workgroups whose invocations share memory and wait for each other.
+//!
+//! The invocations of a workgroup go through the instructions side by side, all of them through one before any is at the
+//! next one. A program in which no two of them meet at a word without a barrier or an atomic function between gives the
+//! same in any order, and where two meet, that is what is found ([`Wrong::Race`]). Workgroups run one after the other.
+//!
+//! ```text
+//! Executable ─ machines, SLOTS invocations each ─┐
+//! buffers ─▶ contents, word by word ─────────────┴─ run ─▶ Outcome: contents behind it, incidents
+//! ```
+
+mod contents;
+mod depends;
+mod memory;
+mod shape;
+#[cfg(test)]
+mod tests;
+
+use naga::BuiltIn;
+
+use super::code::{Executable, Inst};
+use super::domain::{Domain, Site};
+use super::machine::{Breakable, Machine};
+use super::meaning::{Finding, HazardKind};
+use super::plain::{Column, Number, Plain};
+use super::slots::{Mask, SLOTS};
+use crate::lane::interrupt;
+
+pub use depends::{Depends, Sources, Uses};
+pub use memory::{Access, Incident, Party, Wrong};
+pub use shape::{Array, Leaf, MemoryShape, Space};
+
+use memory::{Contents, Log};
+
+/// A dispatch.
+#[derive(Clone, Debug)]
+pub struct Dispatch<'b> {
+    /// Invocations of a workgroup along x, y and z.
+    pub size: [u32; 3],
+    /// Workgroups along x, y and z.
+    pub groups: [u32; 3],
+    /// What each memory holds before it, in the order of [`Executable::memories`]; of a workgroup's memory nothing.
+    pub buffers: &'b [Buffer],
+    /// The memory of a workgroup begins with zeros (WGSL, 7.2), or with anything.
+    pub zeroed: bool,
+    /// Rounds of loops that one invocation may go through.
+    pub fuel: u32,
+    /// Rounds of loops that all invocations together may go through.
+    pub work: u64,
+}
+
+/// What a host fills.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Buffer {
+    /// Its words.
+    pub words: Vec<u32>,
+    /// Elements of the array at its end.
+    pub elements: u32,
+}
+
+/// What a dispatch did.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Words of each memory behind it, and the same as numbers of the domain.
+    pub contents: Vec<(Vec<u32>, Vec<f64>)>,
+    /// Words of each memory up to the last one that was touched.
+    pub reach: Vec<usize>,
+    /// What is wrong with how memory is used, one for each place.
+    pub incidents: Vec<Incident>,
+    /// Where invocations left the range of a type, by place; the invocation is counted through all workgroups.
+    pub findings: Vec<Finding>,
+    /// False when the limit of work was met, or the run was asked to end.
+    pub whole: bool,
+}
+
+impl Executable {
+    /// Memory that invocations share.
+    pub fn memories(&self) -> &[MemoryShape] {
+        &self.memories
+    }
+
+    /// Runs a dispatch in numbers of one type.
+    pub fn dispatch<N: Number>(&self, dispatch: &Dispatch<'_>) -> Outcome
+    where
+        Plain<N>: Domain<Column = Column<N>>,
+    {
+        let size: u32 = dispatch.size.iter().product();
+        let machines =
+            (0..(size as usize).div_ceil(SLOTS)).map(|_| Machine::new(self, Plain::<N>::default(), 0)).collect();
+        let fill = |(shape, buffer): (&MemoryShape, &Buffer)| match shape.space {
+            Space::Workgroup => Contents::new(shape, vec![0; shape.words as usize], 0, dispatch.zeroed),
+            Space::Storage { .. } | Space::Uniform => Contents::new(shape, buffer.words.clone(), buffer.elements, true),
+        };
+        let contents = self.memories.iter().zip(dispatch.buffers).map(fill).collect();
+        let mut group = Group {
+            executable: self,
+            dispatch,
+            machines,
+            contents,
+            log: Log::default(),
+            number: 0,
+            epoch: 0,
+            work: dispatch.work,
+            findings: Vec::new(),
+        };
+        let count: u32 = dispatch.groups.iter().product();
+        for number in 0..count {
+            if !group.goes_on() {
+                break;
+            }
+            group.run(number);
+        }
+        let whole = group.goes_on();
+        Outcome {
+            reach: group.contents.iter().map(|contents| contents.reach).collect(),
+            contents: group.contents.into_iter().map(Contents::into_words).collect(),
+            incidents: group.log.into_incidents(),
+            findings: group.findings,
+            whole,
+        }
+    }
+}
+
+/// A workgroup after the other.
+struct Group<'e, 'd, N: Number>
+where
+    Plain<N>: Domain<Column = Column<N>>,
+{
+    executable: &'e Executable,
+    dispatch: &'d Dispatch<'d>,
+    machines: Vec<Machine<'e, Plain<N>>>,
+    contents: Vec<Contents<N>>,
+    log: Log,
+    /// Number of the workgroup.
+    number: u32,
+    /// Barriers that it is behind.
+    epoch: u32,
+    /// Rounds of loops that are left.
+    work: u64,
+    findings: Vec<Finding>,
+}
+
+impl<'e, N: Number> Group<'e, '_, N>
+where
+    Plain<N>: Domain<Column = Column<N>>,
+{
+    fn goes_on(&self) -> bool {
+        self.work > 0 && !interrupt::asked()
+    }
+
+    /// Runs one workgroup.
+    fn run(&mut self, number: u32) {
+        self.number = number;
+        self.epoch = 0;
+        let size: usize = self.dispatch.size.iter().map(|&n| n as usize).product();
+        for (contents, shape) in self.contents.iter_mut().zip(&self.executable.memories) {
+            if shape.space == Space::Workgroup {
+                *contents = Contents::new(shape, vec![0; shape.words as usize], 0, self.dispatch.zeroed);
+            }
+        }
+        for (k, machine) in self.machines.iter_mut().enumerate() {
+            machine.prepare((size - k * SLOTS).min(SLOTS));
+            machine.fuel = [self.dispatch.fuel; SLOTS];
+        }
+        self.fill_numbers();
+        let executable = self.executable;
+        self.block(&executable.body);
+        for (k, machine) in self.machines.iter_mut().enumerate() {
+            for finding in machine.take_findings() {
+                let invocation = number as usize * size + k * SLOTS + finding.invocation;
+                match self.findings.iter_mut().find(|own| own.kind == finding.kind && own.site == finding.site) {
+                    Some(own) => own.count += finding.count,
+                    None => self.findings.push(Finding { invocation, ..finding }),
+                }
+            }
+        }
+    }
+
+    /// Gives the arguments of the entry point their values.
+    fn fill_numbers(&mut self) {
+        let (size, groups) = (self.dispatch.size, self.dispatch.groups);
+        let apart = |n: u32, of: [u32; 3]| [n % of[0], n / of[0] % of[1], n / of[0] / of[1]];
+        let group = apart(self.number, groups);
+        for (k, machine) in self.machines.iter_mut().enumerate() {
+            machine.invocations = std::array::from_fn(|slot| slot);
+            for (built_in, registers) in &self.executable.numbers {
+                for (axis, register) in registers.iter().enumerate() {
+                    let word = |slot: usize| {
+                        let index = (k * SLOTS + slot) as u32;
+                        let local = apart(index, size);
+                        match built_in {
+                            BuiltIn::LocalInvocationIndex => index,
+                            BuiltIn::LocalInvocationId => local[axis],
+                            BuiltIn::GlobalInvocationId => {
+                                group[axis].wrapping_mul(size[axis]).wrapping_add(local[axis])
+                            }
+                            BuiltIn::WorkGroupId => group[axis],
+                            BuiltIn::WorkGroupSize => size[axis],
+                            BuiltIn::NumWorkGroups => groups[axis],
+                            _ => 0,
+                        }
+                    };
+                    machine.words[register.reg as usize] = std::array::from_fn(word);
+                }
+            }
+        }
+    }
+
+    fn masks(&self) -> Vec<Mask> {
+        self.machines.iter().map(|machine| machine.active).collect()
+    }
+
+    fn set(&mut self, masks: impl IntoIterator<Item = Mask>) {
+        self.machines.iter_mut().zip(masks).for_each(|(machine, mask)| machine.active = mask);
+    }
+
+    fn is_idle(&self) -> bool {
+        self.machines.iter().all(|machine| machine.active.is_empty())
+    }
+
+    fn block(&mut self, block: &'e [Inst]) {
+        for inst in block {
+            if self.is_idle() {
+                return;
+            }
+            self.step(inst);
+        }
+    }
+
+    fn step(&mut self, inst: &'e Inst) {
+        match inst {
+            Inst::Memory(access) => self.access(access),
+            Inst::Length { memory, to } => {
+                let elements = self.contents[*memory as usize].elements;
+                self.machines.iter_mut().for_each(|machine| machine.words[*to as usize] = [elements; SLOTS]);
+            }
+            Inst::Barrier { site } => self.barrier(*site),
+            Inst::If { condition, accept, reject } => {
+                let before = self.masks();
+                let condition: Vec<Mask> =
+                    self.machines.iter().map(|machine| Mask::of(&machine.words[*condition as usize])).collect();
+                let both = || before.iter().zip(&condition);
+                self.set(both().map(|(before, condition)| before.and(*condition)));
+                self.block(accept);
+                let accepted = self.masks();
+                self.set(both().map(|(before, condition)| before.minus(*condition)));
+                self.block(reject);
+                let rejected = self.masks();
+                self.set(accepted.iter().zip(rejected).map(|(a, b)| a.or(b)));
+            }
+            Inst::Switch { selector, cases } => self.switch(*selector, cases),
+            Inst::Loop { body, continuing, break_if, site } => self.repeat((body, continuing), *break_if, *site),
+            Inst::Call { body } => {
+                let before = self.masks();
+                self.block(body);
+                for (machine, before) in self.machines.iter_mut().zip(before) {
+                    machine.active = before.minus(machine.stopped);
+                }
+            }
+            leaf => {
+                for machine in &mut self.machines {
+                    if !machine.active.is_empty() {
+                        machine.step(leaf);
+                    }
+                }
+            }
+        }
+    }
+
+    fn switch(&mut self, selector: u32, cases: &'e [super::code::Case]) {
+        let before = self.masks();
+        let selectors: Vec<_> = self.machines.iter().map(|machine| machine.words[selector as usize]).collect();
+        let matching = |k: usize, value: u32| Mask::where_(|slot| selectors[k][slot] == value).and(before[k]);
+        let named = |k: usize| {
+            let values = cases.iter().filter_map(|case| case.value);
+            values.fold(Mask::NONE, |all, value| all.or(matching(k, value)))
+        };
+        self.machines.iter_mut().for_each(|machine| machine.breakable.push(Breakable::default()));
+        let count = self.machines.len();
+        let (mut falling, mut done) = (vec![Mask::NONE; count], vec![Mask::NONE; count]);
+        for case in cases {
+            let own = |k: usize| case.value.map_or_else(|| before[k].minus(named(k)), |value| matching(k, value));
+            let masks: Vec<Mask> = (0..count).map(|k| falling[k].or(own(k))).collect();
+            self.set(masks);
+            self.block(&case.body);
+            for k in 0..count {
+                let left = self.machines[k].active;
+                if case.fall_through {
+                    falling[k] = left;
+                } else {
+                    falling[k] = Mask::NONE;
+                    done[k] = done[k].or(left);
+                }
+            }
+        }
+        let has_default = cases.iter().any(|case| case.value.is_none());
+        for k in 0..count {
+            let left = self.machines[k].breakable.pop().unwrap_or_default().left;
+            let unmatched = if has_default { Mask::NONE } else { before[k].minus(named(k)) };
+            self.machines[k].active = done[k].or(falling[k]).or(left).or(unmatched);
+        }
+    }
+
+    fn repeat(&mut self, (body, continuing): (&'e [Inst], &'e [Inst]), break_if: Option<u32>, site: Site) {
+        let round = || Breakable { left: Mask::NONE, next: Some(Mask::NONE) };
+        self.machines.iter_mut().for_each(|machine| machine.breakable.push(round()));
+        while !self.is_idle() {
+            let goes_on = self.goes_on();
+            for machine in &mut self.machines {
+                let dry = Mask::where_(|slot| machine.fuel[slot] == 0).and(machine.active);
+                if !dry.is_empty() {
+                    machine.report(HazardKind::Fuel, site, dry);
+                }
+                let stopped = if goes_on { dry } else { machine.active };
+                machine.stopped = machine.stopped.or(stopped);
+                machine.active = machine.active.minus(stopped);
+                self.work = self.work.saturating_sub(machine.active.count() as u64);
+                for (slot, fuel) in machine.fuel.iter_mut().enumerate() {
+                    *fuel -= u32::from(machine.active.has(slot));
+                }
+            }
+            self.block(body);
+            for machine in &mut self.machines {
+                let next =
+                    machine.breakable.last_mut().and_then(|b| b.next.as_mut()).map_or(Mask::NONE, std::mem::take);
+                machine.active = machine.active.or(next);
+            }
+            self.block(continuing);
+            let Some(reg) = break_if else { continue };
+            for machine in &mut self.machines {
+                let leaves = Mask::of(&machine.words[reg as usize]).and(machine.active);
+                if let Some(around) = machine.breakable.last_mut() {
+                    around.left = around.left.or(leaves);
+                }
+                machine.active = machine.active.minus(leaves);
+            }
+        }
+        for machine in &mut self.machines {
+            machine.active = machine.breakable.pop().unwrap_or_default().left;
+        }
+    }
+
+    /// Every invocation of the workgroup has to be here (WGSL, 17.11; GLSL 4.60, 8.16).
+    fn barrier(&mut self, site: Site) {
+        self.epoch += 1;
+        let find = |is: &dyn Fn(&Machine<'e, Plain<N>>) -> Mask| {
+            let slots = |(k, machine): (usize, &Machine<'e, Plain<N>>)| Some(k * SLOTS + is(machine).slots().next()?);
+            self.machines.iter().enumerate().find_map(slots)
+        };
+        // One that was stopped for its loop is told there.
+        let missing = find(&|machine| Mask::first(machine.slots).minus(machine.active).minus(machine.stopped));
+        let (Some(missing), Some(there)) = (missing, find(&|machine| machine.active)) else { return };
+        let party = |local: usize| Party { group: self.number, local: local as u32, access: Access::Read, site };
+        let incident = Incident {
+            what: Wrong::Divergence,
+            memory: None,
+            word: None,
+            index: None,
+            who: party(missing),
+            other: Some(party(there)),
+            count: 1,
+        };
+        self.log.report(incident);
+    }
+}

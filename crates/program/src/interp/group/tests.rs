@@ -1,0 +1,160 @@
+//! Faults of dispatches, each beside a program without it.
+
+use super::super::tests::wgsl;
+use super::super::{Executable, Subject};
+use super::{Access, Buffer, Dispatch, Outcome, Wrong};
+use crate::Entry;
+use naga::{AddressSpace, Binding};
+
+/// Runs the only entry point of a text with one buffer of so many words, in two workgroups.
+fn run(text: &str, words: u32, zeroed: bool) -> Outcome {
+    let (module, info) = wgsl(text);
+    let shared: Vec<_> = module
+        .global_variables
+        .iter()
+        .filter(|(_, v)| !matches!(v.space, AddressSpace::Private | AddressSpace::Handle))
+        .map(|(handle, _)| handle)
+        .collect();
+    let point = &module.entry_points[0];
+    let built_in = |(k, argument): (u32, &naga::FunctionArgument)| match argument.binding {
+        Some(Binding::BuiltIn(built_in)) => (k, built_in),
+        _ => panic!("{argument:?}"),
+    };
+    let built_ins: Vec<_> = (0..).zip(&point.function.arguments).map(built_in).collect();
+    let subject = Subject {
+        module: &module,
+        info: &info,
+        entry: Entry::Point(0),
+        inputs: &[],
+        uniforms: &[],
+        outputs: &[],
+        built_ins: &built_ins,
+        textures: &[],
+        max_vertices: None,
+        shared: &shared,
+    };
+    let executable = Executable::compile(&subject).unwrap();
+    let buffer = |shape: &super::MemoryShape| {
+        let elements = if shape.array.is_some() { words } else { 0 };
+        Buffer { words: (0..shape.words_with(elements) as u32).collect(), elements }
+    };
+    let buffers: Vec<Buffer> = executable.memories().iter().map(buffer).collect();
+    let size = point.workgroup_size;
+    executable.dispatch::<f32>(&Dispatch {
+        size,
+        groups: [2, 1, 1],
+        buffers: &buffers,
+        zeroed,
+        fuel: 1000,
+        work: 100_000,
+    })
+}
+
+const HEAD: &str = "@group(0) @binding(0) var<storage, read_write> a: array<u32>;
+    @group(0) @binding(1) var<storage, read_write> n: atomic<u32>;
+    var<workgroup> w: array<u32, 200>;
+    @compute @workgroup_size(200) fn main(
+        @builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) l: u32,
+        @builtin(workgroup_id) g: vec3u) ";
+
+fn found(body: &str, zeroed: bool) -> Vec<Wrong> {
+    let outcome = run(&format!("{HEAD}{{ {body} }}"), 400, zeroed);
+    assert!(outcome.whole);
+    outcome.incidents.iter().map(|incident| incident.what).collect()
+}
+
+#[test]
+fn each_fault_is_found_and_its_twin_is_silent() {
+    for (what, wrong, right) in [
+        (Wrong::Race, "w[l] = l; a[id.x] = w[199u - l];", "w[l] = l; workgroupBarrier(); a[id.x] = w[199u - l];"),
+        // The second of two chunks of slots meets the first.
+        (
+            Wrong::Race,
+            "if (l == 0u) { w[0] = 7u; } a[id.x] = w[0];",
+            "if (l == 0u) { w[0] = 7u; } workgroupBarrier(); a[id.x] = w[0];",
+        ),
+        (Wrong::Race, "a[l / 2u] = l;", "a[id.x] = l;"),
+        (Wrong::Race, "a[0] = a[0] + 1u;", "atomicAdd(&n, 1u);"),
+        (Wrong::SameValue, "a[0] = 5u;", "if (id.x == 0u) { a[0] = 5u; }"),
+        (Wrong::Outside, "a[id.x + 1u] = 1u;", "a[id.x] = 1u;"),
+        (Wrong::Outside, "w[l + 1u] = 1u;", "if (l < 199u) { w[l + 1u] = 1u; }"),
+        (Wrong::Outside, "a[arrayLength(&a) - 1u - id.x - 1u] = 1u;", "a[arrayLength(&a) - 1u - id.x] = 1u;"),
+        (
+            Wrong::Divergence,
+            "if (l > 3u) { return; } workgroupBarrier();",
+            "if (g.x > 3u) { return; } workgroupBarrier();",
+        ),
+        (
+            Wrong::Divergence,
+            "for (var i = 0u; i < l; i++) { workgroupBarrier(); }",
+            "for (var i = l; i < l + 3u; i++) { workgroupBarrier(); }",
+        ),
+        (Wrong::Unwritten, "a[id.x] = w[l];", "w[l] = 1u; a[id.x] = w[l];"),
+    ] {
+        assert!(found(wrong, false).contains(&what), "{what:?}: {wrong}: {:?}", found(wrong, false));
+        assert_eq!(found(right, false), [], "{right}");
+    }
+}
+
+#[test]
+fn the_memory_of_a_workgroup_begins_with_zeros_in_wgsl() {
+    assert_eq!(found("a[id.x] = w[l];", true), []);
+}
+
+#[test]
+fn what_another_workgroup_was_told_of_by_an_atomic_is_no_race() {
+    let told = "if (g.x == 0u && l == 0u) { a[7] = 3u; atomicStore(&n, 1u); }
+        if (g.x == 1u && l == 0u) { let flag = atomicLoad(&n); if (flag == 1u) { a[8] = a[7]; } }";
+    assert_eq!(found(told, false), []);
+    let untold = "if (g.x == 0u && l == 0u) { a[7] = 3u; } if (g.x == 1u && l == 0u) { a[8] = a[7]; }";
+    assert_eq!(found(untold, false), [Wrong::Race]);
+}
+
+#[test]
+fn who_meets_whom_is_told() {
+    let outcome = run(&format!("{HEAD}{{ w[l] = l; a[id.x] = w[(l + 1u) % 200u]; }}"), 400, true);
+    let [incident] = &outcome.incidents[..] else { panic!("{:?}", outcome.incidents) };
+    let other = incident.other.unwrap();
+    assert_eq!((incident.who.group, incident.who.local, incident.who.access), (0, 0, Access::Read));
+    assert_eq!((other.local, other.access), (1, Access::Write));
+    assert_eq!(incident.count, 400);
+}
+
+#[test]
+fn invocations_of_all_workgroups_see_one_memory() {
+    let text = format!(
+        "{HEAD}{{ w[l] = a[id.x]; workgroupBarrier(); let before = atomicAdd(&n, 1u); a[id.x] = w[199u - l] + 0u * before; }}"
+    );
+    let outcome = run(&text, 400, true);
+    assert_eq!(outcome.incidents, []);
+    assert_eq!(outcome.contents[0].0[..3], [199, 198, 197]);
+    assert_eq!(outcome.contents[0].0[200], 399);
+    assert_eq!(outcome.contents[1].0, [400]);
+}
+
+#[test]
+fn a_loop_without_end_is_stopped_and_told() {
+    let outcome = run(&format!("{HEAD}{{ loop {{ if (a[0] == 4u) {{ break; }} }} }}"), 400, true);
+    assert!(!outcome.findings.is_empty() || !outcome.whole);
+}
+
+#[test]
+fn places_are_named_as_their_author_does() {
+    let text = "struct P { at: vec3f, links: array<array<u32, 3>, 2> }
+        struct All { count: u32, parts: array<P> }
+        @group(0) @binding(0) var<storage, read_write> all: All;
+        var<workgroup> tile: array<array<vec2f, 4>, 2>;
+        @compute @workgroup_size(1) fn main() { all.parts[1].at.y = f32(all.count) + tile[1][2].y; }";
+    let (module, _) = wgsl(text);
+    let shape = |k: usize| {
+        let (handle, _) = module.global_variables.iter().nth(k).unwrap();
+        super::super::compile_shape(&module, handle)
+    };
+    let all = shape(0);
+    let array = all.array.as_ref().unwrap();
+    assert_eq!((array.offset, array.stride), (4, 12));
+    assert_eq!(all.place(0), "all.count");
+    assert_eq!(all.place(4 + 12 + 1), "all.parts[1].at.y");
+    assert_eq!(all.place(4 + 3), "all.parts[0].links[0][0]");
+    assert_eq!(shape(1).place(2 * (4 + 2) + 1), "tile[1][2].y");
+}
