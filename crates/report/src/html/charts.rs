@@ -263,6 +263,8 @@ fn draw_map<B: DrawingBackend>(root: &Area<'_, B>, scene: &Scene, frame: usize, 
         .configure_mesh()
         .disable_mesh()
         .axis_style(QUIET)
+        .x_label_formatter(&|x| tick(*x, across.range[1] - across.range[0]))
+        .y_label_formatter(&|y| tick(*y, up.range[1] - up.range[0]))
         .label_style(text(scale, QUIET))
         .axis_desc_style(text(scale, INK))
         .x_desc(across.name.as_str())
@@ -285,9 +287,29 @@ fn draw_map<B: DrawingBackend>(root: &Area<'_, B>, scene: &Scene, frame: usize, 
     Ok(())
 }
 
+/// A number on an axis of this length. Places of ticks are sums of steps: what is left of one where the others cancel is 0.
+pub(super) fn tick(value: f64, length: f64) -> String {
+    let value = if value.abs() < length.abs() * 1e-9 { 0.0 } else { value };
+    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
+        let text = format!("{value:.4}");
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        format!("{value:.1e}")
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_on_axes_are_short_and_zero_is_zero() {
+        assert_eq!([0.25, 0.0, 3.0, 1e7].map(|value| tick(value, 1.0)), ["0.25", "0", "3", "1.0e7"]);
+        assert_eq!(tick(0.6 - 0.2 * 3.0, 2.0), "0");
+        assert_eq!(tick(-5.6e-17, 1.6), "0");
+        // On an axis of such numbers it is one of them.
+        assert_eq!(tick(-5.6e-17, 1e-15), "-5.6e-17");
+    }
 
     fn errors() -> Errors {
         let mut errors = Errors { samples: 10, words: 40, exact: [20, 3, 0], lost: 1, ..Errors::default() };

@@ -3,7 +3,7 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::charts::{Area, BAD, Drawn, GOOD, INK, LINE, QUIET, text};
+use super::charts::{Area, BAD, Drawn, GOOD, INK, LINE, QUIET, text, tick};
 use engine::compare::{Curve, Point};
 
 /// What is drawn of a curve.
@@ -70,7 +70,7 @@ pub(super) fn draw<B: DrawingBackend>(root: &Area<'_, B>, curve: &Curve, over: O
         .x_label_area_size(px(40.0))
         .y_label_area_size(px(74.0))
         .build_cartesian_2d(left..right, range.clone())?;
-    let shown = |y: &f64| if over == Over::Bounds { of_power(*y) } else { short(*y) };
+    let shown = |y: &f64| if over == Over::Bounds { of_power(*y) } else { tick(*y, range.end - range.start) };
     chart
         .configure_mesh()
         .light_line_style(TRANSPARENT)
@@ -78,7 +78,7 @@ pub(super) fn draw<B: DrawingBackend>(root: &Area<'_, B>, curve: &Curve, over: O
         .axis_style(QUIET)
         .x_labels(8)
         .y_labels(7)
-        .x_label_formatter(&|x| short(*x))
+        .x_label_formatter(&|x| tick(*x, right - left))
         .y_label_formatter(&shown)
         .label_style(text(scale, QUIET))
         .axis_desc_style(text(scale, INK))
@@ -119,19 +119,9 @@ fn height(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
     low - room..high + room
 }
 
-/// A number on an axis.
-fn short(value: f64) -> String {
-    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
-        let text = format!("{value:.4}");
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        format!("{value:.1e}")
-    }
-}
-
 /// A power of two on an axis.
 fn of_power(exponent: f64) -> String {
-    short(exponent.exp2())
+    tick(exponent.exp2(), 0.0)
 }
 
 #[cfg(test)]
@@ -145,10 +135,5 @@ mod tests {
         assert!(height((0..10).map(f64::from)).contains(&9.0));
         assert!(height(std::iter::repeat_n(3.0, 5)).contains(&3.0));
         assert_eq!(height(std::iter::empty()), 0.0..1.0);
-    }
-
-    #[test]
-    fn numbers_are_short() {
-        assert_eq!([0.25, 0.0, 3.0, 1e7].map(short), ["0.25", "0", "3", "1.0e7"]);
     }
 }
