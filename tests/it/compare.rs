@@ -250,3 +250,31 @@ fn what_cannot_be_compared_says_what_to_do() {
     let err = says("functions.glsl functions.wgsl --profile none", 2);
     assert!(err.contains("needs bounds"), "{err}");
 }
+
+#[test]
+fn loops_that_do_not_end_are_told_apart_and_hold_nothing_up() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = |step: &str| {
+        format!(
+            "fn f(n: i32) -> f32 {{ var a = 0.0; for (var i = 0; i < n; i += {step}) {{ a = a * 0.5 + 1.0; }} return a; }}\n"
+        )
+    };
+    fs::write(folder.path().join("a.wgsl"), text("1")).unwrap();
+    fs::write(folder.path().join("b.wgsl"), text("0")).unwrap();
+    let compare = |files: &str| {
+        run_in(
+            folder.path(),
+            &format!("compare {files} --format json --lane embedded --samples 4096 --domain n=[0,inf]"),
+        )
+    };
+    // Both go on for as many rounds as `n` says: of huge numbers nothing is known, and they are not among the equal.
+    let report = compare("a.wgsl a.wgsl").expect(0).json();
+    let same = pair(&report, "f");
+    let open = same["undetermined"]["long_loop"].as_u64().unwrap();
+    assert!(open > 0 && same["unlike"] == 0, "{same}");
+    assert_eq!(same["equal"].as_u64().unwrap() + open, 4096, "{same}");
+    // The other one stands still.
+    let report = compare("a.wgsl b.wgsl").expect(1).json();
+    let message = pair(&report, "f")["smallest"]["message"].as_str().unwrap().to_owned();
+    assert_eq!(message, "a loop of the second does not end");
+}

@@ -168,3 +168,22 @@ fn findings_are_reported_where_the_folder_of_reports_cannot_be_made() {
     assert!(ran.out.contains("FAIL  a ") && ran.out.contains("  reproduce  "), "{}", ran.out);
     assert!(ran.err.contains("report"), "{}", ran.err);
 }
+
+#[test]
+fn a_signal_ends_long_loops_on_their_way() {
+    let folder = tempfile::tempdir().unwrap();
+    // Every sample goes through as many rounds as are followed, in each of which something is done that has to be bounded.
+    let text = "float f(float x, int n) {\n  float a = x;\n  for (int i = 0; i < 8000; ++i)\n    \
+                a = sin(a * x) + cos(a) + float(n % (i + 1));\n  return a;\n}\n";
+    fs::write(folder.path().join("f.glsl"), text).unwrap();
+    for arguments in ["fuzz f.glsl", "compare f.glsl f.glsl"] {
+        let run = command(folder.path(), &format!("{arguments} --lane embedded --samples 4000000"));
+        let begun = Instant::now();
+        let ran: Ran = signalled(run, "TERM", Duration::from_secs(10)).into();
+        let took = begun.elapsed();
+        let ran = ran.expect(143);
+        assert!(took < Duration::from_secs(25), "{arguments}: {took:?}");
+        assert!(ran.out.contains("SIGTERM") || ran.err.contains("SIGTERM"), "{arguments}: {ran:?}");
+        assert!(!ran.out.contains("does not end"), "{arguments}: {}", ran.out);
+    }
+}

@@ -133,12 +133,12 @@ impl Batch {
         self.case(invocation / self.per_case)
     }
 
-    /// Some of its invocations, each a case of its own.
+    /// Some of its invocations in this order, each a case of its own.
     #[must_use]
-    pub fn apart(&self, range: Range<usize>) -> Self {
+    pub fn apart(&self, invocations: impl ExactSizeIterator<Item = usize>) -> Self {
         let (invocation, case) = (self.invocation_record.clone(), self.case_record.clone());
-        let mut apart = Self::with_capacity(invocation, case, 1, range.len());
-        for at in range {
+        let mut apart = Self::with_capacity(invocation, case, 1, invocations.len());
+        for at in invocations {
             apart.invocations.extend_from_slice(self.invocation(at));
             apart.cases.extend_from_slice(self.case_of(at));
         }

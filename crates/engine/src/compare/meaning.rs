@@ -10,7 +10,7 @@ use crate::fuzz::{Domain, Shrinking, Within};
 use base::value::Batch;
 use judge::profile::{Profile, Promises};
 use judge::verdict::{JudgeContext, Reason, Verdict, What, unlike};
-use lanes::{Api, Stage};
+use lanes::{Api, Stage, interrupt};
 use property::Sample;
 use property::shrink;
 
@@ -104,18 +104,31 @@ fn standing(verdict: Verdict, turned: bool) -> Standing {
 }
 
 impl Meanings {
-    /// Looks at a batch; gives for each sample whether it differs.
+    /// Counts samples of which nothing is known.
+    pub(super) fn leave_open(&mut self, reason: Reason, count: u64) {
+        if count > 0 {
+            self.samples += count;
+            *self.reasons.entry(reason).or_default() += count;
+        }
+    }
+
+    /// Looks at a batch; gives for each sample whether it differs. Nothing once the run is to end: what was found until then
+    /// may be found for want of time.
     pub(super) fn see(
         &mut self,
         (pair, profile): (&Pair<'_>, &Profile),
         batch: &Batch,
         fed: &Batch,
         realistic: bool,
-    ) -> Vec<bool> {
+    ) -> Option<Vec<bool>> {
         let count = batch.invocation_count();
+        let standing = pair.standing(batch, fed);
+        if interrupt::asked() {
+            return None;
+        }
         self.samples += count as u64;
         let mut differing = vec![false; count];
-        for (k, standing) in pair.standing(batch, fed) {
+        for (k, standing) in standing {
             match standing {
                 Standing::Open(reason) => *self.reasons.entry(reason).or_default() += 1,
                 Standing::Unlike(..) => {
@@ -129,7 +142,7 @@ impl Meanings {
         }
         let samples: Vec<Sample> = (0..count).filter(|&k| differing[k]).map(|k| Sample::of(batch, k)).collect();
         self.beyond += beyond(pair, profile, &samples);
-        differing
+        Some(differing)
     }
 
     /// Shrinks what differs, and writes what was found; gives the smallest sample.
@@ -151,6 +164,10 @@ impl Meanings {
             return None;
         }
         let mut differs = |samples: &[Sample]| -> Result<Vec<bool>, Infallible> {
+            // Nothing is tried any more when the run is to end.
+            if interrupt::asked() {
+                return Ok(Vec::new());
+            }
             let batch = Sample::batch(samples);
             let found = pair.standing(&batch, &pair.fed(&batch));
             Ok((0..samples.len()).map(|k| matches!(found.get(&k), Some(Standing::Unlike(..)))).collect())

@@ -17,8 +17,9 @@ mod resolution;
 use crate::fuzz::{Domain, Ready, Subject, batch, given, stream_key};
 use base::value::Batch;
 use judge::profile::Profile;
-use judge::verdict::{Oracle, Reason, Reference};
+use judge::verdict::{ENDLESS, Oracle, Reason, Reference, Rounds};
 use lanes::{Lane, interrupt};
+use program::interp::Binary64;
 use property::{Sample, regressions};
 
 pub use accuracy::{Accuracy, Worst};
@@ -33,6 +34,9 @@ const BATCH: usize = 1 << 14;
 
 /// One sample of so many is of any size, whatever the inputs are taken for.
 const HOSTILE: u64 = 4;
+
+/// Samples of a batch that are looked at though only one of the functions ends.
+const ONE_SIDED: usize = 8;
 
 /// What a comparison is asked for.
 #[derive(Clone, Debug)]
@@ -151,8 +155,12 @@ pub fn run(
                 Some(sample) => Sample::batch(std::slice::from_ref(sample)),
                 None => drawn(ready, domain, key, (first, some), realistic && !domain.is_stated()),
             };
+            let (batch, left_out) = pair.that_end(batch);
             let fed = pair.fed(&batch);
             let differing = meaning.see((&pair, request.profiles[0]), &batch, &fed, realistic);
+            // What was under way when the run was to end is not counted.
+            let Some(differing) = differing else { break };
+            meaning.leave_open(Reason::LongLoop, left_out);
             // Of inputs that may never come, extremes say little.
             if realistic {
                 accuracy.iter_mut().for_each(|gauge| gauge.see(&batch, &fed));
@@ -170,14 +178,14 @@ pub fn run(
         format!("{} --function {function} --seed {} --case '{inputs}'", request.command, request.seed)
     };
     let smallest = meaning.finish(&pair, domain, &reproduce, &mut compared);
-    if request.curves {
+    if request.curves && !interrupt::asked() {
         let around = smallest.or_else(|| accuracy.iter_mut().find_map(accuracy::Gauge::widest));
         let around = around.or_else(|| Some(Sample::of(&drawn(ready, domain, key, (0, 1), true), 0)));
         let profile = request.profiles[0];
         compared.curves = around.map_or_else(Vec::new, |at| curve::curves(&pair, profile, domain, key, &at));
     }
     compared.accuracy = accuracy.into_iter().map(accuracy::Gauge::finish).collect();
-    compared.resolution = if case.is_none() { resolution::of(&pair, domain, key) } else { None };
+    compared.resolution = if case.is_none() && !interrupt::asked() { resolution::of(&pair, domain, key) } else { None };
     compared.lanes = on.into_iter().map(on_lanes::Both::finish).collect();
     Ok(compared)
 }
@@ -203,8 +211,12 @@ fn bind(subjects: [&Subject; 2]) -> Result<Pair<'_>, String> {
     let bound =
         |one: &Ready, other: &Ready, of: &Subject| Reference::model(&other.program, &by(of), None, &one.program);
     let reference = bound(a, b, subjects[1]).map_err(|error| error.to_string())?;
-    let reverse = bound(b, a, subjects[0]).ok();
-    let oracle = |ready: &Ready| Oracle::new(&ready.program).map_err(|error| error.locate(&ready.program));
+    let reverse = bound(b, a, subjects[0]).ok().map(|reverse| reverse.with_fuel(ENDLESS));
+    let oracle = |ready: &Ready| match Oracle::new(&ready.program) {
+        Ok(oracle) => Ok(oracle.with_fuel(ENDLESS)),
+        Err(error) => Err(error.locate(&ready.program)),
+    };
+    let reference = reference.with_fuel(ENDLESS);
     Ok(Pair { sides: [a, b], oracles: [oracle(a)?, oracle(b)?], reference, reverse })
 }
 
@@ -222,6 +234,23 @@ fn alone(pair: &Pair<'_>) -> Vec<String> {
 }
 
 impl Pair<'_> {
+    /// The samples of which something can be said, and how many are left out: those that go on for too long in either
+    /// function. Where one function ends soon and the other does not end, they do not mean the same; some of these stay.
+    fn that_end(&self, batch: Batch) -> (Batch, u64) {
+        if !self.sides.iter().any(|ready| ready.executable.has_loops()) {
+            return (batch, 0);
+        }
+        let fed = self.fed(&batch);
+        let of = |side: usize, batch| Rounds::of::<Binary64>(&self.sides[side].executable, batch);
+        let (first, second) = (of(0, &batch), of(1, &fed));
+        let all: Vec<Rounds> = first.iter().zip(&second).map(|(first, second)| *first.max(second)).collect();
+        let mut order = Rounds::order(&all);
+        let one_ends = |k: &usize| all[*k] == Rounds::Endless && first[*k].min(second[*k]) <= Rounds::Some;
+        order.extend((0..all.len()).filter(one_ends).take(ONE_SIDED));
+        let left_out = (all.len() - order.len()) as u64;
+        (batch.apart(order.into_iter()), left_out)
+    }
+
     /// The samples as the second function gets them.
     fn fed(&self, batch: &Batch) -> Batch {
         let all: Vec<usize> = (0..batch.invocation_count()).collect();

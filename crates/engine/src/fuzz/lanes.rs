@@ -8,7 +8,7 @@ use base::value::{Batch, Scalar};
 use judge::profile::Promises;
 use judge::verdict::diagnosis::{self, Diagnosis, Suspected};
 use judge::verdict::{
-    BatchVerdict, Fence, Fenced, JudgeContext, Oracle, Reference, Verdict, What, judge_batch, judge_each,
+    BatchVerdict, Fence, Fenced, JudgeContext, Oracle, Reason, Reference, Verdict, What, judge_batch, judge_each,
 };
 use lanes::{Actual, Lane, LaneError, LaneName, Runner, Stage, interrupt};
 use program::Program;
@@ -85,6 +85,13 @@ impl<'a> OnLane<'a> {
     pub fn fenced(&self) -> Option<(LaneName, Fenced)> {
         let fenced = self.runner.as_ref().ok()?.found()?;
         Some((self.lane.description().name, fenced.clone()))
+    }
+
+    /// Counts samples whose loops go on for too long: nothing is known of them.
+    pub fn leave_out(&mut self, count: u64, part: Part) {
+        if self.runner.is_ok() {
+            self.of(part).leave_open(Reason::LongLoop, count);
+        }
     }
 
     /// Runs samples at edges: those that deviate count, and no others.
@@ -204,6 +211,9 @@ impl<'a> OnLane<'a> {
         let Ok(runner) = &mut self.runner else { return Ok(Vec::new()) };
         let first: Vec<Sample> = self.failing.iter().take(SHRUNK).cloned().collect();
         let mut deviates = |samples: &[Sample]| -> Result<Vec<bool>, LaneError> {
+            if interrupt::asked() {
+                return Err(LaneError::Unsupported("the run was interrupted".to_owned()));
+            }
             let mut all = Vec::with_capacity(samples.len());
             for chunk in samples.chunks(runner.capacity().max(1)) {
                 let batch = Sample::batch(chunk);

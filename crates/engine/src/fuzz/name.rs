@@ -9,7 +9,7 @@ use base::value::Batch;
 use judge::profile::{Op, Profile, Promises};
 use judge::tape::{Model, Tape};
 use judge::verdict::diagnosis::Place;
-use lanes::{Api, Stage};
+use lanes::{Api, Stage, interrupt};
 use program::interp::{Binary32, Binary64, Dependence, Machine, OutputColumn, SLOTS, Site, author_span};
 
 use super::finding::FuzzFindingKind;
@@ -74,7 +74,9 @@ fn strict() -> &'static Profile {
 /// and decides the output.
 pub fn name(ready: &Ready, batch: &Batch, looks: &[(usize, Look)]) -> Vec<Option<Named>> {
     let model = Model::Device { profile: strict(), stage: Stage::Compute, rearranged: false };
-    let chunks: Vec<Vec<Option<Named>>> = looks
+    // What does not end says so by itself, and would hold up what does.
+    let ending: Vec<&(usize, Look)> = looks.iter().filter(|(_, look)| look.trouble != Some(Trouble::Endless)).collect();
+    let chunks: Vec<Vec<Option<Named>>> = ending
         .par_chunks(SLOTS)
         .map_init(
             || {
@@ -86,17 +88,26 @@ pub fn name(ready: &Ready, batch: &Batch, looks: &[(usize, Look)]) -> Vec<Option
                 )
             },
             |(tape, narrow, wide), looks| {
-                let invocations: Vec<usize> = looks.iter().map(|(i, _)| *i).collect();
+                // What has no name is not told, in a run that is told to be incomplete.
+                if interrupt::asked() {
+                    return vec![None; looks.len()];
+                }
+                let invocations: Vec<usize> = looks.iter().map(|(invocation, _)| *invocation).collect();
                 tape.run_some(batch, &invocations);
                 narrow.run_some(batch, &invocations);
-                let one = |(slot, (invocation, look)): (usize, &(usize, Look))| {
+                let one = |(slot, (invocation, look)): (usize, &&(usize, Look))| {
                     one(tape, narrow, wide, batch, (slot, *invocation), look)
                 };
                 looks.iter().enumerate().map(one).collect()
             },
         )
         .collect();
-    chunks.into_iter().flatten().collect()
+    let mut named = chunks.into_iter().flatten();
+    let each = |(_, look): &(usize, Look)| match look.trouble {
+        Some(Trouble::Endless) => Some(Named::blank(FuzzFindingKind::Endless, look.place)),
+        _ => named.next().flatten(),
+    };
+    looks.iter().map(each).collect()
 }
 
 fn one(
@@ -125,7 +136,6 @@ fn one(
         return Some(named);
     }
     match trouble {
-        Trouble::Endless => return plain(FuzzFindingKind::Endless),
         Trouble::TooManyVertices => return plain(FuzzFindingKind::TooManyVertices),
         Trouble::NotWritten => return plain(FuzzFindingKind::NotWritten),
         _ => {}

@@ -13,7 +13,7 @@ use super::subject::{Ready, Subject};
 use crate::{InputValue, dispatch};
 use base::value::{Batch, Record};
 use judge::profile::{Op, Promises};
-use judge::verdict::{Fenced, Oracle, Reference, edges};
+use judge::verdict::{Fenced, Oracle, Reference, Rounds, edges};
 use lanes::{Lane, LaneName, interrupt};
 use property::{Sample, Stream, regressions};
 
@@ -52,6 +52,7 @@ struct Group {
     counting: u64,
     /// One that shows it, of those that say most, and what it says.
     sample: Sample,
+    named: Named,
     standing: Standing,
     /// The one with the largest error of these.
     worst: (f64, Sample),
@@ -183,11 +184,17 @@ pub fn run(
             };
             let twins = double(&mut batch, count);
             let looks = scan(&ready.executable, &ready.kernel.output.vertex, &batch);
+            // What was under way when the run was to end is not counted.
+            if interrupt::asked() {
+                break;
+            }
             sort(looked, part, &batch, &looks, &mut groups, &mut report);
             // What is undefined may differ from one invocation to the next.
             let twins = twins.into_iter().filter(|&(twin, _)| !looks[twin].undefined).collect();
-            let (batch, twins) = without_endless(batch, &looks, twins);
-            if batch.invocation_count() > 0 && !(constant && looks[0].trouble == Some(Trouble::Endless)) {
+            let (batch, twins) = that_end(batch, &looks, twins);
+            let open = looks.iter().filter(|look| !look.rounds.end()).count() as u64;
+            on.iter_mut().for_each(|lane| lane.leave_out(open, part));
+            if open < looks.len() as u64 {
                 on.iter_mut().for_each(|lane| lane.run(&batch, &twins, part));
             }
             first += count as u64;
@@ -195,7 +202,7 @@ pub fn run(
             report.hostile += if part == Part::Hostile { count as u64 } else { 0 };
         }
     }
-    if case.is_none() && !constant {
+    if case.is_none() && !constant && !interrupt::asked() {
         let count = samples.min(PILOT) as usize;
         let pilot = match in_parts {
             true => ready.realistic.batch((invocation, uniforms), domain, key, 0, count),
@@ -208,7 +215,7 @@ pub fn run(
         if !found.is_empty() {
             let batch = Sample::batch(&found);
             let mut looks = scan(&ready.executable, &ready.kernel.output.vertex, &batch);
-            let (kept, _) = without_endless(batch.clone(), &looks, Vec::new());
+            let (kept, _) = that_end(batch.clone(), &looks, Vec::new());
             // Beside a jump rounding takes the other side, whatever the function.
             looks
                 .iter_mut()
@@ -216,7 +223,7 @@ pub fn run(
                 .for_each(|look| *look = Look::default());
             looks.iter_mut().for_each(|look| look.error = 0.0);
             sort(looked, part, &batch, &looks, &mut groups, &mut report);
-            if kept.invocation_count() > 0 {
+            if looks.iter().any(|look| look.rounds.end()) {
                 on.iter_mut().for_each(|lane| lane.run_edges(&kept, part));
             }
         }
@@ -316,6 +323,7 @@ fn sort(
             count: 0,
             counting: 0,
             sample: sample.clone(),
+            named: named.clone(),
             standing,
             worst: (look.error, sample.clone()),
         });
@@ -326,27 +334,22 @@ fn sort(
             group.worst = (look.error, sample.clone());
         }
         if first {
-            (group.sample, group.standing) = (sample, standing);
+            (group.sample, group.named, group.standing) = (sample, named, standing);
         }
     }
 }
 
-/// Leaves out the samples that would hold a device up.
-fn without_endless(batch: Batch, looks: &[Look], twins: Vec<(usize, usize)>) -> (Batch, Vec<(usize, usize)>) {
-    let endless = |k: usize| looks[k].trouble == Some(Trouble::Endless);
-    if !(0..looks.len()).any(endless) || batch.invocation_record.words() + batch.case_record.words() == 0 {
+/// The samples that would hold no device up, those of long loops behind the others; with the pairs among them.
+fn that_end(batch: Batch, looks: &[Look], twins: Vec<(usize, usize)>) -> (Batch, Vec<(usize, usize)>) {
+    if looks.iter().all(|look| look.rounds == Rounds::Few) {
         return (batch, twins);
     }
-    let (invocation, case) = (batch.invocation_record.clone(), batch.case_record.clone());
-    let mut kept = Batch::with_capacity(invocation, case, 1, looks.len());
-    let mut moved = vec![usize::MAX; looks.len()];
-    for (count, k) in (0..looks.len()).filter(|&k| !endless(k)).enumerate() {
-        kept.invocations.extend_from_slice(batch.invocation(k));
-        kept.cases.extend_from_slice(batch.case_of(k));
-        moved[k] = count;
-    }
-    let twins = twins.into_iter().filter(|&(a, b)| !endless(a) && !endless(b)).map(|(a, b)| (moved[a], moved[b]));
-    (kept, twins.collect())
+    let rounds: Vec<Rounds> = looks.iter().map(|look| look.rounds).collect();
+    let order = Rounds::order(&rounds);
+    let mut moved = vec![None; looks.len()];
+    order.iter().enumerate().for_each(|(to, &from)| moved[from] = Some(to));
+    let twins = twins.into_iter().filter_map(|(a, b)| moved[a].zip(moved[b]));
+    (batch.apart(order.iter().copied()), twins.collect())
 }
 
 /// A failure of a lane where the function's behaviour is undefined; it stands for the group of the same operation.
@@ -361,6 +364,7 @@ fn at_failure(
         count: 1,
         counting: u64::from(looked.domain.counts(&fenced.sample)),
         sample: fenced.sample.clone(),
+        named: named.clone(),
         standing: Standing::Counts,
         worst: (0.0, fenced.sample.clone()),
     };
@@ -392,14 +396,13 @@ fn add_findings(
     });
     for (index, (key, group)) in groups.into_iter().enumerate() {
         let severity = severity(&key, &group);
-        let shrunk = request.case.is_none() && index < REPORTED && (request.notes || severity != Severity::Note);
-        let sample = group.sample.clone();
-        let (sample, named) = if !shrunk {
-            let named = super::shrinking::names(ready, std::slice::from_ref(&sample)).pop().flatten();
-            (sample, named)
-        } else {
-            smallest(ready, domain, sample, key, looked.within(group.standing))
-        };
+        let shrunk = request.case.is_none()
+            && index < REPORTED
+            && !interrupt::asked()
+            && (request.notes || severity != Severity::Note);
+        let found = (group.sample.clone(), Some(group.named.clone()));
+        let (sample, named) =
+            if shrunk { smallest(ready, domain, found, key, looked.within(group.standing)) } else { found };
         let Some(named) = named else { continue };
         let mut finding = finding(looked, severity, &named, &sample, &group, reproduce);
         if named.kind == FuzzFindingKind::IllConditioned && request.case.is_none() {

@@ -3,14 +3,15 @@
 use rayon::prelude::*;
 
 use base::value::{Batch, Record};
+use judge::verdict::{ENDLESS, Rounds};
+use lanes::interrupt;
 use program::interp::{Binary32, Binary64, Executable, HazardKind, Machine, Number, OutputColumn, POISON, SLOTS};
 
 /// Part of an output's size that rounding may move it by before it counts as ill-conditioned.
 pub const LIMIT: f64 = 1.0 / 1024.0;
 
-/// Rounds of loops that one sample may go through: far above what shaders need, and few enough that
-/// samples without end do not hold everything up.
-pub const ROUNDS: u32 = 1 << 13;
+/// Rounds of loops that one sample may go through.
+pub const ROUNDS: u32 = ENDLESS;
 
 const MAX_FINITE: f64 = f32::MAX as f64;
 const MIN_NORMAL: f64 = f32::MIN_POSITIVE as f64;
@@ -66,7 +67,8 @@ impl Trouble {
             | HazardKind::BitField
             | HazardKind::Argument
             | HazardKind::Fuel
-            | HazardKind::Killed => Self::Undefined,
+            | HazardKind::Killed
+            | HazardKind::GivenUp => Self::Undefined,
         }
     }
 
@@ -104,6 +106,8 @@ pub struct Look {
     pub error: f64,
     /// An output depends on an undefined value: devices need not agree on it, nor with themselves.
     pub undefined: bool,
+    /// How long its loops go on; of those that are not known to end nothing else is known.
+    pub rounds: Rounds,
 }
 
 impl Look {
@@ -114,24 +118,36 @@ impl Look {
     }
 }
 
-/// Looks at every sample of a batch, on all cores. `record` is that of the outputs.
+/// Looks at every sample of a batch, on all cores, until the process is asked to end; nothing is known of the others.
+/// `record` is that of the outputs.
 pub fn scan(executable: &Executable, record: &Record, batch: &Batch) -> Vec<Look> {
-    let count = batch.invocation_count();
-    let chunks: Vec<Vec<Look>> = (0..count.div_ceil(SLOTS))
-        .into_par_iter()
+    let (wide, narrow) = (Rounds::of::<Binary64>(executable, batch), Rounds::of::<Binary32>(executable, batch));
+    let rounds: Vec<Rounds> = wide.into_iter().zip(narrow).map(|(wide, narrow)| wide.max(narrow)).collect();
+    let order = Rounds::order(&rounds);
+    let chunks: Vec<Vec<Look>> = order
+        .par_chunks(SLOTS)
         .map_init(
             || {
                 let meaning = Machine::new(executable, Binary64::default(), ROUNDS);
                 (meaning, Machine::new(executable, Binary32::default(), ROUNDS))
             },
             |(meaning, strict), chunk| {
-                let mut looks = chunk_of(meaning, strict, record, batch, chunk * SLOTS);
-                undefined(meaning, batch, chunk * SLOTS, &mut looks);
+                if interrupt::asked() {
+                    return vec![Look { rounds: Rounds::Unknown, ..Look::default() }; chunk.len()];
+                }
+                let mut looks = chunk_of(meaning, strict, record, batch, chunk);
+                undefined(meaning, batch, chunk, &mut looks);
                 looks
             },
         )
         .collect();
-    chunks.into_iter().flatten().collect()
+    let endless = |rounds| (rounds == Rounds::Endless).then_some(Trouble::Endless);
+    let unknown = |&rounds: &Rounds| Look { trouble: endless(rounds), rounds, ..Look::default() };
+    let mut looks: Vec<Look> = rounds.iter().map(unknown).collect();
+    for (invocation, look) in order.into_iter().zip(chunks.into_iter().flatten()) {
+        looks[invocation] = Look { rounds: look.rounds.max(rounds[invocation]), ..look };
+    }
+    looks
 }
 
 fn chunk_of(
@@ -139,18 +155,18 @@ fn chunk_of(
     strict: &mut Machine<'_, Binary32>,
     record: &Record,
     batch: &Batch,
-    first: usize,
+    invocations: &[usize],
 ) -> Vec<Look> {
-    let slots = meaning.run(batch, first);
-    strict.run(batch, first);
+    let slots = meaning.run_some(batch, invocations);
+    strict.run_some(batch, invocations);
     // They are asked for one by one when they are named.
     meaning.take_findings();
     strict.take_findings();
     let mut looks = vec![Look::default(); slots];
     for (slot, look) in looks.iter_mut().enumerate() {
         let (wide, narrow) = (meaning.flags()[slot], strict.flags()[slot]);
-        if wide.has(HazardKind::Fuel) || narrow.has(HazardKind::Fuel) {
-            look.note(Trouble::Endless, (0, 0));
+        if wide.is_stopped() || narrow.is_stopped() {
+            look.rounds = Rounds::Unknown;
             continue;
         }
         // Whether it matters is found out at the end.
@@ -200,12 +216,12 @@ fn chunk_of(
 }
 
 /// Leaves undefined values out that no output depends on, and notes the others.
-fn undefined(meaning: &mut Machine<'_, Binary64>, batch: &Batch, first: usize, looks: &mut [Look]) {
+fn undefined(meaning: &mut Machine<'_, Binary64>, batch: &Batch, chunk: &[usize], looks: &mut [Look]) {
     let touched: Vec<usize> = (0..looks.len()).filter(|&slot| looks[slot].undefined).collect();
     if touched.is_empty() {
         return;
     }
-    let invocations: Vec<usize> = touched.iter().map(|slot| first + slot).collect();
+    let invocations: Vec<usize> = touched.iter().map(|&slot| chunk[slot]).collect();
     for (slot, found) in touched.into_iter().zip(meaning.dependences(batch, &invocations, false)) {
         looks[slot].undefined = found.is_some();
         if let Some(found) = found {

@@ -6,6 +6,7 @@ use super::domain::{Domain, Shrinking, Within};
 use super::name::{Key, Named, name};
 use super::scan::{Look, scan};
 use super::subject::Ready;
+use lanes::interrupt;
 use property::Sample;
 use property::shrink::shrink;
 
@@ -25,18 +26,23 @@ pub fn names(ready: &Ready, samples: &[Sample]) -> Vec<Option<Named>> {
 pub fn smallest(
     ready: &Ready,
     domain: &Domain,
-    sample: Sample,
+    (sample, named): (Sample, Option<Named>),
     key: Key,
     within: Within<'_>,
 ) -> (Sample, Option<Named>) {
     let admits = Shrinking { domain, within };
     let same = |named: &Option<Named>| named.as_ref().is_some_and(|n| n.key() == key);
-    let mut oracle =
-        |samples: &[Sample]| -> Result<Vec<bool>, Infallible> { Ok(names(ready, samples).iter().map(same).collect()) };
+    let mut oracle = |samples: &[Sample]| -> Result<Vec<bool>, Infallible> {
+        // Nothing is tried any more when the run is to end.
+        Ok(if interrupt::asked() { Vec::new() } else { names(ready, samples).iter().map(same).collect() })
+    };
     let found = match shrink(vec![sample.clone()], &admits, &mut oracle) {
-        Ok(shrunk) => shrunk.into_iter().next().map_or(sample, |s| s.sample),
+        Ok(shrunk) => shrunk.into_iter().next().map_or_else(|| sample.clone(), |s| s.sample),
         Err(never) => match never {},
     };
+    if found == sample || interrupt::asked() {
+        return (sample, named);
+    }
     let named = names(ready, std::slice::from_ref(&found)).pop().flatten();
     (found, named)
 }

@@ -18,7 +18,7 @@ use crate::profile::Op;
 use crate::tape::Tape;
 use base::value::Batch;
 use program::interp::{Binary64, Domain, Machine, Mask, SLOTS, Site};
-use program::lane::Actual;
+use program::lane::{Actual, interrupt};
 
 /// An invocation that deviates.
 #[derive(Clone, Debug)]
@@ -92,6 +92,11 @@ impl BatchVerdict {
     /// All invocations that were looked at.
     pub fn seen(&self) -> u64 {
         self.agreed + self.deviated + self.undetermined_count()
+    }
+
+    /// Adds invocations of which nothing is known.
+    pub fn leave_open(&mut self, reason: Reason, count: u64) {
+        self.undetermined[reason as usize] += count;
     }
 
     /// The deviations alone, of samples that are no part of what is counted.
@@ -177,6 +182,8 @@ const FEW: usize = 512;
 /// }
 /// ```
 ///
+/// Once the process is asked to end, no more is looked at: fewer are [seen](BatchVerdict::seen) than the batch has.
+///
 /// A comparison of a side with itself does not compile. This is the same text but for one type:
 ///
 /// ```compile_fail,E0308
@@ -194,7 +201,10 @@ pub fn judge_batch(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) -
     let chunks = parts(
         count.div_ceil(CHUNK),
         || Judge::new(context),
-        |judge, chunk| judge.judge(batch, actual, chunk * CHUNK..((chunk + 1) * CHUNK).min(count)),
+        |judge, chunk| match chunk > 0 && interrupt::asked() {
+            true => BatchVerdict::default(),
+            false => judge.judge(batch, actual, chunk * CHUNK..((chunk + 1) * CHUNK).min(count)),
+        },
     );
     let mut all = BatchVerdict::default();
     for chunk in chunks {

@@ -4,7 +4,7 @@ use super::first_look::Values;
 use super::oracle::JudgeContext;
 use super::reference::{Evaluator, Expected, Reference};
 use base::value::{Batch, Scalar};
-use program::interp::{Binary64, Domain, HazardKind, Machine, Mask, Number, OutputColumn, SLOTS};
+use program::interp::{Binary64, Domain, Machine, Mask, Number, OutputColumn, SLOTS};
 
 /// How near two evaluations in binary64 must be to count as equal at once, relative to the largest
 /// component of the variable. Farther ones are judged by what binary64 may have done to them.
@@ -112,7 +112,7 @@ fn fits<D: Domain>(
     expected: &Expected,
     slot: usize,
 ) -> bool {
-    !machine.flags()[slot].has(HazardKind::Fuel)
+    !machine.flags()[slot].is_stopped()
         && same_shape(machine, reference, expected, slot)
         && means(columns, reference, expected, slot)
 }

@@ -14,7 +14,7 @@ use crate::profile::grid::MIN_NORMAL;
 use crate::tape::{FADED, Model, Tape};
 use base::value::{Batch, Scalar, ulp_at};
 use program::OutputLayout;
-use program::interp::{Binary64, HazardKind, Machine, Number, OutputColumn, POISON, SLOTS};
+use program::interp::{Binary64, Flags, HazardKind, Machine, Number, OutputColumn, POISON, SLOTS};
 use program::lane::Actual;
 
 /// An error of this part of the values' size is no test any more, even if it is allowed.
@@ -161,15 +161,14 @@ impl<'a> SecondPass<'a> {
         invocations: &[usize],
     ) -> Vec<Option<Verdict>> {
         let endless = self.endless(batch, invocations);
-        let end = Deviation { blame: Blame::Shader, what: What::Endless };
-        let Some(sound) = endless.iter().position(|endless| !endless) else {
-            return vec![Some(Verdict::Deviate(end)); endless.len()];
+        let Some(sound) = endless.iter().position(Option::is_none) else { return endless };
+        let stand_in = |(&invocation, endless): (&usize, &Option<_>)| {
+            if endless.is_some() { invocations[sound] } else { invocation }
         };
-        let stand_in = |(&invocation, &endless)| if endless { invocations[sound] } else { invocation };
         let ending: Vec<usize> = invocations.iter().zip(&endless).map(stand_in).collect();
         let mut verdicts = self.of_shader(batch, layout, actual, &ending);
-        for (verdict, _) in verdicts.iter_mut().zip(&endless).filter(|(_, endless)| **endless) {
-            *verdict = Some(Verdict::Deviate(end.clone()));
+        for (verdict, endless) in verdicts.iter_mut().zip(endless).filter(|(_, endless)| endless.is_some()) {
+            *verdict = endless;
         }
         self.reread(batch, layout, invocations, &mut verdicts);
         verdicts
@@ -199,15 +198,22 @@ impl<'a> SecondPass<'a> {
         }
     }
 
-    /// For each invocation, whether a loop of the shader goes on without end; at most [`SLOTS`] of them.
-    fn endless(&mut self, batch: &Batch, invocations: &[usize]) -> Vec<bool> {
+    /// For each invocation, what follows where a loop of the shader goes on without end, or was given up; at most [`SLOTS`]
+    /// of them.
+    fn endless(&mut self, batch: &Batch, invocations: &[usize]) -> Vec<Option<Verdict>> {
         let oracle = self.context.oracle;
         if !oracle.executable().has_loops() {
-            return vec![false; invocations.len().min(SLOTS)];
+            return vec![None; invocations.len().min(SLOTS)];
         }
         let machine = self.ends.get_or_insert_with(|| oracle.ideal_or_meaning());
         let slots = machine.run_some(batch, invocations);
-        machine.flags()[..slots].iter().map(|flags| flags.has(HazardKind::Fuel)).collect()
+        let end = Deviation { blame: Blame::Shader, what: What::Endless };
+        let verdict = |flags: &Flags| match flags.is_stopped() {
+            true if flags.has(HazardKind::GivenUp) => Some(Verdict::Undetermined(Doubt::of(Reason::LongLoop))),
+            true => Some(Verdict::Deviate(end.clone())),
+            false => None,
+        };
+        machine.flags()[..slots].iter().map(verdict).collect()
     }
 
     /// The same for invocations that end.

@@ -10,7 +10,12 @@ use super::integer;
 use super::meaning::{Finding, Flags, HazardKind};
 use super::slots::{Mask, SLOTS, Words};
 use super::undefined::{Operand, Probe, Undefined};
+use crate::lane::interrupt;
 use base::value::{Batch, Scalar};
+
+/// Rounds of loops that a chunk may still go through once the process was asked to end: what shaders usually need, so that
+/// samples that were found can still be described.
+const LAST_ROUNDS: u64 = 1 << 10;
 
 /// An output word of one chunk.
 #[derive(Debug)]
@@ -46,6 +51,9 @@ pub struct Machine<'e, D: Domain> {
     pub(super) breakable: Vec<Breakable>,
     pub(super) fuel: Words,
     fuel_limit: u32,
+    /// Rounds of all loops of this chunk, and of all chunks.
+    chunk_rounds: u64,
+    rounds: u64,
     pub(super) flags: [Flags; SLOTS],
     pub(super) findings: Vec<Finding>,
     /// Of variables that come to life without a value, the slots in which they have one: by file and register.
@@ -80,6 +88,8 @@ impl<'e, D: Domain> Machine<'e, D> {
             breakable: Vec::new(),
             fuel: [0; SLOTS],
             fuel_limit: fuel,
+            chunk_rounds: 0,
+            rounds: 0,
             flags: [Flags::default(); SLOTS],
             findings: Vec::new(),
             assigned: std::array::from_fn(|file| executable.unset[file].iter().map(|&reg| (reg, Mask::NONE)).collect()),
@@ -141,6 +151,7 @@ impl<'e, D: Domain> Machine<'e, D> {
         (self.emitted, self.ended) = ([0; SLOTS], [0; SLOTS]);
         self.flags = [Flags::default(); SLOTS];
         self.fuel = [self.fuel_limit; SLOTS];
+        self.chunk_rounds = 0;
         self.active = Mask::first(slots);
         self.stopped = Mask::NONE;
         self.breakable.clear();
@@ -467,6 +478,14 @@ impl<'e, D: Domain> Machine<'e, D> {
                 self.stopped = self.stopped.or(self.active);
                 self.active = Mask::NONE;
             }
+            self.chunk_rounds += 1;
+            self.rounds += 1;
+            if self.chunk_rounds > LAST_ROUNDS && interrupt::asked() {
+                self.report(HazardKind::GivenUp, site, self.active);
+                self.domain.give_up(site, &self.active);
+                self.stopped = self.stopped.or(self.active);
+                self.active = Mask::NONE;
+            }
             for (slot, fuel) in self.fuel.iter_mut().enumerate() {
                 *fuel -= u32::from(self.active.has(slot));
             }
@@ -592,6 +611,11 @@ impl<D: Domain> Machine<'_, D> {
     /// The strip of a stored vertex in each slot.
     pub fn strip(&self, vertex: usize) -> &Words {
         &self.strips[vertex]
+    }
+
+    /// Rounds that all loops went through since the machine was made; slots that go side by side share theirs.
+    pub fn rounds(&self) -> u64 {
+        self.rounds
     }
 
     /// What each slot came upon.

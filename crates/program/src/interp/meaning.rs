@@ -33,11 +33,13 @@ pub enum HazardKind {
     Fuel,
     /// The slot was discarded, which is no finding of its own.
     Killed,
+    /// The process was asked to end while the slot was in a long loop; it was stopped, and nothing is known of it.
+    GivenUp,
 }
 
 impl HazardKind {
     /// All of them.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Index,
         Self::DivisionByZero,
         Self::Overflow,
@@ -52,6 +54,7 @@ impl HazardKind {
         Self::Overlap,
         Self::Fuel,
         Self::Killed,
+        Self::GivenUp,
     ];
 
     /// True for operations on whole numbers that WGSL defines for all operands (8.7, 16.1), and GLSL does not. The
@@ -71,7 +74,8 @@ impl HazardKind {
             | Self::NoReturn
             | Self::Overlap
             | Self::Fuel
-            | Self::Killed => false,
+            | Self::Killed
+            | Self::GivenUp => false,
         }
     }
 
@@ -90,7 +94,7 @@ impl HazardKind {
             | Self::NoReturn
             | Self::Overlap => true,
             // GLSL 4.60, 4.1.3: sums and products keep their lower 32 bits.
-            Self::Overflow | Self::Fuel | Self::Killed => false,
+            Self::Overflow | Self::Fuel | Self::Killed | Self::GivenUp => false,
         }
     }
 }
@@ -116,6 +120,11 @@ impl Flags {
             bits
         };
         self.0 & UNDEFINED != 0
+    }
+
+    /// True when it was stopped in a loop: it ran out of fuel, or was given up.
+    pub fn is_stopped(self) -> bool {
+        self.has(HazardKind::Fuel) || self.has(HazardKind::GivenUp)
     }
 
     /// True when it came upon nothing.

@@ -31,6 +31,7 @@ mod undefined;
 use rayon::prelude::*;
 use thiserror::Error;
 
+use crate::lane::interrupt;
 use crate::{Place as Found, Port, Program, ReadBack, Written};
 use base::value::{Batch, Scalar};
 
@@ -53,6 +54,9 @@ pub const POISON: u32 = 0x7fd5_a3c9;
 /// Rounds of loops that one invocation may go through.
 pub const FUEL: u32 = 1 << 16;
 
+/// Chunks of a batch that are still run once the process was asked to end.
+const LAST_CHUNKS: usize = 16;
+
 /// Why a program has no meaning here.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum InterpError {
@@ -74,6 +78,9 @@ pub enum InterpError {
         /// Words that the program takes.
         expected: usize,
     },
+    /// The process was asked to end before the batch was through.
+    #[error("the run was interrupted")]
+    Interrupted,
     /// A defect of shadercheck itself.
     #[error("internal error, please report: {0}")]
     Internal(String),
@@ -91,7 +98,7 @@ impl InterpError {
                 Some(at) => format!("{}: {self}", program.file.locate(at.start)),
                 None => format!("{}: {self}", program.file.name()),
             },
-            Self::Batch { .. } | Self::Internal(_) => self.to_string(),
+            Self::Batch { .. } | Self::Interrupted | Self::Internal(_) => self.to_string(),
         }
     }
 }
@@ -214,7 +221,8 @@ impl Executable {
     /// Runs a batch in a domain, on all cores. Each invocation may go through `fuel` rounds of loops.
     ///
     /// # Errors
-    /// [`InterpError::Batch`] when the batch has too few words.
+    /// [`InterpError::Batch`] when the batch has too few words, [`InterpError::Interrupted`] when the process is asked to
+    /// end meanwhile.
     pub fn run<D: Domain + Default>(&self, batch: &Batch, fuel: u32) -> Result<Meaning<D::Word>, InterpError> {
         self.run_with(batch, fuel, D::default)
     }
@@ -222,7 +230,7 @@ impl Executable {
     /// The same in domains that `domain` makes, one for each thread.
     ///
     /// # Errors
-    /// [`InterpError::Batch`] when the batch has too few words.
+    /// Those of [`Executable::run`].
     pub fn run_with<D: Domain>(
         &self,
         batch: &Batch,
@@ -232,17 +240,23 @@ impl Executable {
         self.check(batch)?;
         let count = batch.invocation_count();
         let (room, width) = (self.max_vertices.unwrap_or(1) as usize, self.outputs.len());
-        let pieces: Vec<Meaning<D::Word>> = (0..count.div_ceil(SLOTS))
+        let pieces: Option<Vec<Meaning<D::Word>>> = (0..count.div_ceil(SLOTS))
             .into_par_iter()
             .map_init(
                 || Machine::new(self, domain(), fuel),
                 |machine, chunk| {
+                    // A batch of some chunks is done soon, and serves to describe what was found.
+                    if chunk >= LAST_CHUNKS && interrupt::asked() {
+                        return None;
+                    }
                     let first = chunk * SLOTS;
                     let slots = machine.run(batch, first);
-                    piece(machine, first, slots, (room, width), self.max_vertices)
+                    let given_up = machine.flags()[..slots].iter().any(|flags| flags.has(HazardKind::GivenUp));
+                    (!given_up).then(|| piece(machine, first, slots, (room, width), self.max_vertices))
                 },
             )
             .collect();
+        let pieces = pieces.ok_or(InterpError::Interrupted)?;
         let mut all = Meaning {
             vertex_words: width,
             max_vertices: self.max_vertices,

@@ -12,6 +12,7 @@ use super::machine::{Machine, OutputColumn};
 use super::meaning::HazardKind;
 use super::plain::Binary64;
 use super::slots::{Mask, SLOTS};
+use crate::lane::interrupt;
 use base::value::{Batch, Scalar};
 
 /// An operation whose value is undefined.
@@ -231,7 +232,7 @@ impl Machine<'_, Binary64> {
     ) -> Mask {
         let mut changed = Mask::NONE;
         for round in 1..=rounds {
-            if rest.is_empty() {
+            if rest.is_empty() || interrupt::asked() {
                 break;
             }
             self.probe = Some(Probe { round, only, events: Vec::new() });
@@ -300,7 +301,9 @@ impl Undefined {
             HazardKind::Overlap => {
                 "two `out` arguments are one variable, and the order in which they are copied back is open".to_owned()
             }
-            HazardKind::Overflow | HazardKind::Fuel | HazardKind::Killed => "the operation leaves its range".to_owned(),
+            HazardKind::Overflow | HazardKind::Fuel | HazardKind::Killed | HazardKind::GivenUp => {
+                "the operation leaves its range".to_owned()
+            }
         }
     }
 }

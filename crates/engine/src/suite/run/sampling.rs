@@ -87,6 +87,10 @@ pub fn sample(
             actual = running.as_ref().map(|batch| trial.run(batch));
         });
         if let (Some((batch, actual)), Some(verdict)) = (finished.take(), verdict) {
+            // What is handed over has to be whole; the judge looks at no more when the run is to end.
+            if interrupt::asked() && !share.partial {
+                return Ok(None);
+            }
             sampled.counted.add(prepared, before + sampled.next * per_case as u64, (&batch, &actual), verdict);
             sampled.counted.survey = sampled.counted.survey.take().or(surveyed);
             sampled.next += batch.case_count() as u64;

@@ -16,7 +16,8 @@ mod watch;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use base::value::{Batch, Scalar};
-use program::interp::{HazardKind, Machine, SLOTS, Site};
+use program::interp::{Machine, SLOTS, Site};
+use program::lane::interrupt;
 use property::Sample;
 use property::shrink::Domain;
 
@@ -37,6 +38,8 @@ const FOUND: usize = 224;
 const KEPT: usize = 3;
 /// Chunks that all searches of one program may run.
 const BUDGET: usize = 120;
+/// Rounds of loops that they may go through in all.
+const ROUNDS: u64 = 1 << 16;
 
 /// What became of a question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,7 +80,7 @@ pub fn edges(oracle: &Oracle, domain: &dyn Domain, pilot: &Batch, given: Vec<Sam
     };
     search.learn(pilot);
     // A shader without end is a finding by itself, and every try would go through all rounds.
-    let endless = search.watch.flags().iter().any(|flags| flags.has(HazardKind::Fuel));
+    let endless = search.watch.flags().iter().any(|flags| flags.is_stopped());
     let mut new = add(given);
     let passes = if endless { 0 } else { PASSES };
     for _ in 0..passes {
@@ -159,6 +162,9 @@ impl Search<'_> {
     /// Runs samples that are tried, at most [`SLOTS`]. `None` when the budget is spent.
     fn try_all(&mut self, samples: &[Sample]) -> Option<&Watch> {
         self.budget = self.budget.checked_sub(1)?;
+        if self.tries.rounds() > ROUNDS || interrupt::asked() {
+            return None;
+        }
         let batch = Sample::batch(samples);
         self.tries.run(&batch, 0);
         self.tries.take_findings();

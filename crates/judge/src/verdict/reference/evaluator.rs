@@ -5,7 +5,7 @@ use super::{Expected, Reference, ReferenceKind, given};
 use crate::tape::Tape;
 use crate::verdict::second_pass::{TWO_WAYS, USELESS_64};
 use base::value::Batch;
-use program::interp::{Binary64, Domain, HazardKind, Machine, Number, OutputColumn, POISON, SLOTS};
+use program::interp::{Binary64, Domain, Machine, Number, OutputColumn, POISON, SLOTS};
 
 /// Gives what is expected, for up to [`SLOTS`] invocations at a time.
 pub(in crate::verdict) struct Evaluator<'a> {
@@ -186,7 +186,7 @@ fn shape<D: Domain>(machine: &Machine<'_, D>, emitted: &mut Vec<u32>, strips: &m
             false => strips.extend_from_slice(&[0; SLOTS]),
         }
     }
-    std::array::from_fn(|slot| machine.flags()[slot].has(HazardKind::Fuel))
+    std::array::from_fn(|slot| machine.flags()[slot].is_stopped())
 }
 
 /// Whole numbers; NaN where none was written.

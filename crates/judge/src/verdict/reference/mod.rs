@@ -112,6 +112,15 @@ impl Reference {
         Ok(Self::of(ReferenceKind::Model(Arc::new(model)), &judged, program))
     }
 
+    /// The same, where loops of a model may go through another number of rounds.
+    #[must_use]
+    pub fn with_fuel(mut self, fuel: u32) -> Self {
+        if let ReferenceKind::Model(model) = &mut self.source {
+            *model = Arc::new(model.with_fuel(fuel));
+        }
+        self
+    }
+
     /// Expects what functions of the caller give, one for each judged output.
     ///
     /// # Errors

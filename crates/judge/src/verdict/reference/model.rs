@@ -10,6 +10,7 @@ use base::value::{Batch, Field, Record, Scalar, Shape};
 use program::{Entry, Program};
 
 /// A program, with the way of inputs to it and of outputs from it.
+#[derive(Clone)]
 pub(super) struct Model {
     pub oracle: Oracle,
     records: [Arc<Record>; 2],
@@ -21,6 +22,7 @@ pub(super) struct Model {
     emits: bool,
 }
 
+#[derive(Clone)]
 struct Route {
     to: Range<usize>,
     from_case: bool,
@@ -162,6 +164,13 @@ pub(super) fn bind(
     let oracle = Oracle::new(model).map_err(|error| interpreter(error.locate(model)))?;
     let (vertex, emits) = (own.vertex, own.max_vertices.is_some());
     Ok((Model { oracle, records, routes, outputs, vertex, emits }, judged))
+}
+
+impl Model {
+    /// The same with another number of rounds that loops may take.
+    pub fn with_fuel(&self, fuel: u32) -> Self {
+        Self { oracle: self.oracle.clone().with_fuel(fuel), ..self.clone() }
+    }
 }
 
 /// Name of the value of a function among outputs.
