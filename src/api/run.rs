@@ -189,6 +189,9 @@ fn suite(shader: &Shader) -> Result<Suite, Error> {
     Ok(Suite {
         linked: Vec::new(),
         linked_texts: Vec::new(),
+        with: Vec::new(),
+        with_texts: Vec::new(),
+        assign_bindings: false,
         textures: Vec::new(),
         name: shader.entry.clone().unwrap_or_else(|| shader.file.name().to_owned()),
         title: shader.file.name().to_owned(),

@@ -174,3 +174,34 @@ fn early_drafts_of_the_language_are_told_as_such() {
     let (_, out, err) = run(&[("old.wgsl", old)], &["fuzz", "--lane", "embedded"]);
     assert!(format!("{out}{err}").contains("early drafts of WGSL had `let`"), "{out}{err}");
 }
+
+/// A suite of the function `f` of `part.wgsl`, with more keys.
+fn suite(keys: &str) -> String {
+    format!(
+        "suite = \"part\"\nshader = \"part.wgsl\"\nstage = \"function\"\nentry = \"f\"\nreference = \"right.wgsl\"\n\
+         samples = 1024\n{keys}\n[[inputs]]\nnames = [\"x\"]\ngenerator = \"interval\"\nrange = [1.0, 2.0]\n"
+    )
+}
+
+#[test]
+fn a_suite_names_what_its_host_puts_before_a_text() {
+    let part = ("part.wgsl", "fn f(x: f32) -> f32 { return x * SCALE; }\n");
+    let (far, right) =
+        (("far/scale.wgsl", "const SCALE = 4.0;\n"), ("right.wgsl", "fn f(x: f32) -> f32 { return 4.0 * x; }\n"));
+    let with = suite("with = [\"far/scale.wgsl\"]");
+    let check = ["check", "--plain", "--lane", "embedded"];
+    let (status, out, err) = run(&[("part.suite.toml", &with), part, far, right], &check);
+    assert_eq!(status, Some(0), "{out}{err}");
+    let wrong = ("far/scale.wgsl", "const SCALE = 5.0;\n");
+    let (status, out, _) = run(&[("part.suite.toml", &with), part, wrong, right], &check);
+    assert!(status == Some(1) && out.contains("part.wgsl:1:"), "{out}");
+    let (status, _, err) = run(&[("part.suite.toml", &suite("with = [\"gone.wgsl\"]")), part, far, right], &check);
+    assert_eq!(status, Some(2), "{err}");
+    assert!(err.contains("part.suite.toml:7:10") && err.contains("gone.wgsl"), "{err}");
+    let (status, _, err) = run(&[("part.suite.toml", &suite("")), part, far, right], &check);
+    assert!(status == Some(2) && err.contains("part.wgsl:1:34"), "{err}");
+    // Mutants are put together like the text itself.
+    let (status, out, err) =
+        run(&[("part.suite.toml", &with), part, far, right], &["mutate", "--lane", "embedded", "--samples", "256"]);
+    assert!(status == Some(0) && out.contains("100.0 %"), "{out}{err}");
+}

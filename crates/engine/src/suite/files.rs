@@ -81,7 +81,8 @@ pub fn load(path: &Path) -> Result<Loaded, LoadError> {
         })
     };
     let shader = text_of(&suite.shader)?;
-    suite.linked_texts = suite.linked.iter().map(text_of).collect::<Result<_, _>>()?;
+    suite.linked_texts = suite.linked.iter().map(&mut text_of).collect::<Result<_, _>>()?;
+    suite.with_texts = suite.with.iter().map(text_of).collect::<Result<_, _>>()?;
     Ok(Loaded { suite, shader })
 }
 

@@ -110,6 +110,18 @@ pub(super) const SECTIONS: &[Section] = &[
                 "Other texts of the same stage, relative to this file: what the shader declares and they define is \
                  linked as OpenGL does.",
             ),
+            key(
+                "with",
+                Form::Texts,
+                "For a shader in WGSL: files that the host puts before it, relative to this one. What the shader does not \
+                 declare is taken from them.",
+            ),
+            key(
+                "assign_bindings",
+                Form::Flag,
+                "For a shader in WGSL: give its resources a group and a binding where none of them has one, as its host \
+                 does; false without it.",
+            ),
             required("stage", Form::OneOf(stages), "What is run: `main` of a stage, or one function."),
             key(
                 "entry",

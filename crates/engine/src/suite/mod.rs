@@ -124,6 +124,12 @@ pub struct Suite {
     pub linked: Vec<String>,
     /// These texts, in order; as many as there are names once the suite is loaded.
     pub linked_texts: Vec<SourceFile>,
+    /// File names of texts in WGSL from which the shader takes what it does not declare, relative to the suite file.
+    pub with: Vec<String>,
+    /// These texts, in order; as many as there are names once the suite is loaded.
+    pub with_texts: Vec<SourceFile>,
+    /// Whether resources of a text in WGSL get a group and a binding where none of them has one.
+    pub assign_bindings: bool,
     /// What kind of code is tested.
     pub stage: Stage,
     /// The function that is called; for the stage `function` alone.

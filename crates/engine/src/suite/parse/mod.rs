@@ -17,11 +17,13 @@ use super::textures::WORDS;
 use super::{BoundTexture, Contents, Floors, Includes, Stage, Suite, SuiteError};
 use disk::table::{At, Reader, Table};
 
-const KEYS: [&str; 19] = [
+const KEYS: [&str; 21] = [
     "suite",
     "title",
     "shader",
     "linked",
+    "with",
+    "assign_bindings",
     "stage",
     "entry",
     "formula",
@@ -105,6 +107,7 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
     let title = root.text("title");
     let shader = root.required_text("shader", "shader = \"sphere.vert\"");
     let linked = root.texts("linked");
+    let (with, assign_bindings) = composed(root, shader.as_ref().map(|shader| shader.value.as_str()));
     let stage = stage(root);
     let modules = shader.as_ref().is_some_and(|shader| Written::of_path(&shader.value) != Written::Glsl);
     let mut entries = entries(root, stage, modules);
@@ -133,6 +136,9 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
         shader: shader?.value,
         linked: linked.into_iter().map(|name| name.value).collect(),
         linked_texts: Vec::new(),
+        with: with.into_iter().map(|name| name.value).collect(),
+        with_texts: Vec::new(),
+        assign_bindings,
         stage: stage?,
         entry,
         entries,
@@ -220,6 +226,16 @@ fn entries(root: Table<'_>, stage: Option<Stage>, modules: bool) -> Vec<String> 
             Vec::new()
         }
     }
+}
+
+/// What is stated about a text in WGSL that is a part of others.
+fn composed(root: Table<'_>, shader: Option<&str>) -> (Vec<At<String>>, bool) {
+    for key in ["with", "assign_bindings"] {
+        if root.has(key) && shader.is_some_and(|shader| Written::of_path(shader) != Written::Wgsl) {
+            root.reader.problem(root.offset_of(key), format!("`{key}` is for a shader in WGSL"));
+        }
+    }
+    (root.texts("with"), root.has("assign_bindings") && root.flag("assign_bindings").unwrap_or_default())
 }
 
 fn literals(root: Table<'_>) -> Option<Literals> {

@@ -222,7 +222,11 @@ fn program(suite: &Suite, shader: &SourceFile, function: Option<&str>) -> Result
 
 /// The program of a text that is a module, with what it imports.
 fn of_joined(suite: &Suite, shader: &SourceFile, function: Option<&str>) -> Result<Program, ProgramError> {
-    let options = Options { defines: suite.chosen.clone(), ..Options::default() };
+    let options = Options {
+        defines: suite.chosen.clone(),
+        preludes: suite.with_texts.clone(),
+        assign_bindings: suite.assign_bindings,
+    };
     let asked = Asked { entry: function.map(str::to_owned), stage: suite.stage.of_text(), ..Asked::default() };
     let joined = Joined::of(shader, &suite.includes.folders, &options, &asked)
         .map_err(|error| ProgramError::Unsupported { what: error.to_string() })?;
