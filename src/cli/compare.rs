@@ -20,7 +20,7 @@ use base::text::Shown as _;
 use disk::fresh;
 use engine::compare::{self, Compared, Pairing, Request};
 use engine::fuzz::Subject;
-use engine::suite::run::DEFAULT_SEED;
+use engine::suite::run::{DEFAULT_SEED, signal_name};
 use judge::profile::Profile;
 use lanes::{Lane, StandIn, Wanted, interrupt};
 use report::compare::{Summary, json, text};
@@ -153,6 +153,7 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
     }
     out.flush()?;
     Ok(if let Some(signal) = summary.interrupted {
+        writeln!(err, "error: the run was interrupted by {}", signal_name(signal))?;
         ExitStatus::Interrupted(signal)
     } else if !summary.pairs.iter().any(Compared::is_known) {
         writeln!(err, "error: nothing could be compared")?;

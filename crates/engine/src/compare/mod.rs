@@ -155,12 +155,17 @@ pub fn run(
                 Some(sample) => Sample::batch(std::slice::from_ref(sample)),
                 None => drawn(ready, domain, key, (first, some), realistic && !domain.is_stated()),
             };
-            let (batch, left_out) = pair.that_end(batch);
+            let (batch, ending, left_out) = pair.that_end(batch);
             let fed = pair.fed(&batch);
             let differing = meaning.see((&pair, request.profiles[0]), &batch, &fed, realistic);
             // What was under way when the run was to end is not counted.
             let Some(differing) = differing else { break };
             meaning.leave_open(Reason::LongLoop, left_out);
+            // What does not end in one of the two would hold a lane up.
+            let (batch, fed) = match ending < batch.invocation_count() {
+                true => (batch.apart(0..ending), fed.apart(0..ending)),
+                false => (batch, fed),
+            };
             // Of inputs that may never come, extremes say little.
             if realistic {
                 accuracy.iter_mut().for_each(|gauge| gauge.see(&batch, &fed));
@@ -235,20 +240,23 @@ fn alone(pair: &Pair<'_>) -> Vec<String> {
 
 impl Pair<'_> {
     /// The samples of which something can be said, and how many are left out: those that go on for too long in either
-    /// function. Where one function ends soon and the other does not end, they do not mean the same; some of these stay.
-    fn that_end(&self, batch: Batch) -> (Batch, u64) {
+    /// function. Where one function ends soon and the other does not end, they do not mean the same; some of these stay, behind
+    /// those that end in both, whose number comes second.
+    fn that_end(&self, batch: Batch) -> (Batch, usize, u64) {
         if !self.sides.iter().any(|ready| ready.executable.has_loops()) {
-            return (batch, 0);
+            let ending = batch.invocation_count();
+            return (batch, ending, 0);
         }
         let fed = self.fed(&batch);
         let of = |side: usize, batch| Rounds::of::<Binary64>(&self.sides[side].executable, batch);
         let (first, second) = (of(0, &batch), of(1, &fed));
         let all: Vec<Rounds> = first.iter().zip(&second).map(|(first, second)| *first.max(second)).collect();
         let mut order = Rounds::order(&all);
+        let ending = order.len();
         let one_ends = |k: &usize| all[*k] == Rounds::Endless && first[*k].min(second[*k]) <= Rounds::Some;
         order.extend((0..all.len()).filter(one_ends).take(ONE_SIDED));
         let left_out = (all.len() - order.len()) as u64;
-        (batch.apart(order.into_iter()), left_out)
+        (batch.apart(order.into_iter()), ending, left_out)
     }
 
     /// The samples as the second function gets them.
