@@ -8,7 +8,7 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::domain::{Binary, Class, Comparison, FromWords, Site, ToWords, Unary, WordSource};
-use super::group::MemoryShape;
+use super::group::{MemoryAccess, MemoryShape};
 use super::meaning::HazardKind;
 use super::rearrange::Draft;
 use base::value::Scalar;
@@ -392,63 +392,6 @@ pub(super) enum Inst {
     EndPrimitive,
 }
 
-/// An index on the way to a place in memory.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Step {
-    /// The index.
-    pub reg: Reg,
-    /// Words from one element to the next.
-    pub stride: u32,
-    /// Number of elements; `None` for an array that is as long as its memory.
-    pub len: Option<u32>,
-    pub site: Site,
-}
-
-/// What is done at a place in memory.
-#[derive(Clone, Debug)]
-pub(super) enum MemoryOp {
-    /// Reads: each register with its distance from the place, in words.
-    Load(Vec<(Register, u32)>),
-    /// Writes.
-    Store(Vec<(Register, u32)>),
-    /// Reads the value, computes another one with it, and writes that.
-    Atomic {
-        op: Combine,
-        value: Register,
-        /// For an exchange under a condition, the value that is expected.
-        compare: Option<Reg>,
-        /// The value before; and whether it was exchanged.
-        before: Option<Register>,
-        exchanged: Option<Reg>,
-    },
-}
-
-/// What an atomic function makes of the old value and the argument.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Combine {
-    Add,
-    Subtract,
-    And,
-    Or,
-    Xor,
-    Min,
-    Max,
-    Exchange,
-}
-
-/// A load, a store or an atomic function on memory that invocations share.
-#[derive(Clone, Debug)]
-pub(super) struct MemoryAccess {
-    pub memory: u32,
-    /// Words from its beginning, where all indices are 0.
-    pub offset: u32,
-    pub steps: Vec<Step>,
-    pub op: MemoryOp,
-    /// An atomic number is read or written.
-    pub atomic: bool,
-    pub site: Site,
-}
-
 /// How an instruction touches a register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Touch {
@@ -552,21 +495,7 @@ impl Inst {
                 equal.iter_mut().flatten().for_each(|index| f(Read, Word, index));
                 f(Write, of.file(), &mut of.reg);
             }
-            Self::Memory(access) => {
-                access.steps.iter_mut().for_each(|step| f(Read, Word, &mut step.reg));
-                match &mut access.op {
-                    MemoryOp::Load(parts) => parts.iter_mut().for_each(|(to, _)| f(Write, to.file(), &mut to.reg)),
-                    MemoryOp::Store(parts) => {
-                        parts.iter_mut().for_each(|(from, _)| f(Read, from.file(), &mut from.reg));
-                    }
-                    MemoryOp::Atomic { value, compare, before, exchanged, .. } => {
-                        f(Read, value.file(), &mut value.reg);
-                        compare.iter_mut().for_each(|reg| f(Read, value.file(), reg));
-                        before.iter_mut().for_each(|to| f(Write, to.file(), &mut to.reg));
-                        exchanged.iter_mut().for_each(|reg| f(Write, Word, reg));
-                    }
-                }
-            }
+            Self::Memory(access) => access.registers(f),
             Self::Length { to, .. } => f(Write, Word, to),
             Self::If { condition, .. } => f(Read, Word, condition),
             Self::Switch { selector, .. } => f(Read, Word, selector),

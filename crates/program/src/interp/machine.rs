@@ -17,15 +17,6 @@ use base::value::{Batch, Scalar};
 /// samples that were found can still be described.
 const LAST_ROUNDS: u64 = 1 << 10;
 
-/// An output word of one chunk.
-#[derive(Debug)]
-pub enum OutputColumn<'m, C> {
-    /// A real number.
-    Real(&'m C),
-    /// An integer or boolean.
-    Word(&'m Words),
-}
-
 /// A loop or switch that slots can leave.
 #[derive(Default)]
 pub(super) struct Breakable {
@@ -41,7 +32,7 @@ pub struct Machine<'e, D: Domain> {
     pub(super) reals: Vec<D::Column>,
     pub(super) words: Vec<Words>,
     /// Vertices of a geometry stage: for each vertex, the columns of its outputs.
-    vertices: Vec<(Vec<D::Column>, Vec<Words>)>,
+    pub(super) vertices: Vec<(Vec<D::Column>, Vec<Words>)>,
     pub(super) strips: Vec<Words>,
     pub(super) emitted: Words,
     pub(super) ended: Words,
@@ -53,7 +44,7 @@ pub struct Machine<'e, D: Domain> {
     fuel_limit: u32,
     /// Rounds of all loops of this chunk, and of all chunks.
     chunk_rounds: u64,
-    rounds: u64,
+    pub(super) rounds: u64,
     pub(super) flags: [Flags; SLOTS],
     pub(super) findings: Vec<Finding>,
     /// Of variables that come to life without a value, the slots in which they have one: by file and register.
@@ -544,87 +535,4 @@ impl<'e, D: Domain> Machine<'e, D> {
 
 fn gather(words: &[u32], places: &[usize; SLOTS], column: &mut Words) {
     column.iter_mut().zip(places).for_each(|(value, &at)| *value = words[at]);
-}
-
-/// What came out of the last chunk.
-impl<D: Domain> Machine<'_, D> {
-    /// The domain, with what it remembers.
-    pub fn domain(&mut self) -> &mut D {
-        &mut self.domain
-    }
-
-    /// The domain, to look at.
-    pub fn as_domain(&self) -> &D {
-        &self.domain
-    }
-
-    /// An output word of a vertex (0 for a pointwise program), in all slots.
-    pub fn output(&self, vertex: usize, word: usize) -> OutputColumn<'_, D::Column> {
-        let register = self.executable.outputs[word];
-        let before = &self.executable.outputs[..word];
-        let nth = before.iter().filter(|other| other.file() == register.file()).count();
-        let reg = register.reg as usize;
-        match (self.executable.max_vertices, register.file()) {
-            (Some(_), File::Real) => OutputColumn::Real(&self.vertices[vertex].0[nth]),
-            (Some(_), File::Word) => OutputColumn::Word(&self.vertices[vertex].1[nth]),
-            (None, File::Real) => OutputColumn::Real(&self.reals[reg]),
-            (None, File::Word) => OutputColumn::Word(&self.words[reg]),
-        }
-    }
-
-    /// An output word of one slot, from its column; `None` when it was never written.
-    pub fn word(&self, column: &OutputColumn<'_, D::Column>, word: usize, slot: usize) -> Option<D::Word> {
-        match column {
-            OutputColumn::Real(column) => self.domain.word(column, slot),
-            OutputColumn::Word(words) => {
-                let value = words[slot];
-                (value != POISON).then(|| D::exact(value, self.executable.outputs[word].scalar))
-            }
-        }
-    }
-
-    /// True for a geometry stage, which emits vertices.
-    pub fn is_emitting(&self) -> bool {
-        self.executable.max_vertices.is_some()
-    }
-
-    /// Output words of one vertex.
-    pub fn width(&self) -> usize {
-        self.executable.outputs.len()
-    }
-
-    /// Vertices that are stored for each slot at most; 1 for a pointwise program.
-    pub fn room(&self) -> usize {
-        self.executable.max_vertices.unwrap_or(1) as usize
-    }
-
-    /// Vertices that each slot emitted, those past the limit included.
-    pub fn emitted(&self) -> &Words {
-        &self.emitted
-    }
-
-    /// Strips that each slot ended.
-    pub fn ended(&self) -> &Words {
-        &self.ended
-    }
-
-    /// The strip of a stored vertex in each slot.
-    pub fn strip(&self, vertex: usize) -> &Words {
-        &self.strips[vertex]
-    }
-
-    /// Rounds that all loops went through since the machine was made; slots that go side by side share theirs.
-    pub fn rounds(&self) -> u64 {
-        self.rounds
-    }
-
-    /// What each slot came upon.
-    pub fn flags(&self) -> &[Flags; SLOTS] {
-        &self.flags
-    }
-
-    /// Findings since the last call.
-    pub fn take_findings(&mut self) -> Vec<Finding> {
-        take(&mut self.findings)
-    }
 }

@@ -22,6 +22,7 @@ mod machine;
 mod meaning;
 mod plain;
 mod rearrange;
+mod results;
 mod shape;
 mod slots;
 #[cfg(test)]
@@ -41,10 +42,11 @@ use compile::shape as compile_shape;
 pub use code::{Executable, Guarded, Place};
 pub use compile::{Binding, Subject};
 pub use domain::{Binary, Class, Comparison, Domain, FromWords, Site, ToWords, Unary, WordSource};
-pub use machine::{Machine, OutputColumn};
+pub use machine::Machine;
 pub use meaning::{Finding, Flags, HazardKind, Meaning};
 pub use plain::{Binary32, Binary64, Column, Number, Plain, from_words, outside, to_half, to_words};
 pub use rearrange::Laws;
+pub use results::OutputColumn;
 pub use slots::{Mask, SLOTS, Words};
 pub use undefined::{Dependence, Undefined};
 

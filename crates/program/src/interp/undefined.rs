@@ -8,9 +8,10 @@ use std::collections::HashSet;
 
 use super::code::{Guarded, Reg, Register};
 use super::domain::{Domain, Site};
-use super::machine::{Machine, OutputColumn};
+use super::machine::Machine;
 use super::meaning::HazardKind;
 use super::plain::Binary64;
+use super::results::OutputColumn;
 use super::slots::{Mask, SLOTS};
 use crate::lane::interrupt;
 use base::value::{Batch, Scalar};

@@ -22,8 +22,9 @@ use naga::valid::{FunctionInfo, ModuleInfo};
 use naga::{AddressSpace, BuiltIn, Expression, Function, GlobalVariable, Handle, LocalVariable, Module, Type};
 
 use super::InterpError;
-use super::code::{Constant, Executable, File, Fill, Inst, Place, Reg, Register, Step, Stray, TEMPORARY};
+use super::code::{Constant, Executable, File, Fill, Inst, Place, Reg, Register, Stray, TEMPORARY};
 use super::domain::{Site, WordSource};
+use super::group::Step;
 use super::meaning::HazardKind;
 use super::rearrange::Draft;
 use crate::{Entry, PortAt, Texture};

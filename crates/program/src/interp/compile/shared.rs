@@ -4,8 +4,9 @@ use std::rc::Rc;
 
 use naga::{AtomicFunction, Barrier, Expression, GlobalVariable, Handle, Module, TypeInner};
 
-use super::super::code::{Combine, Inst, MemoryAccess, MemoryOp, Register, Step};
+use super::super::code::{Inst, Register};
 use super::super::domain::Site;
+use super::super::group::{Combine, MemoryAccess, MemoryOp, Step};
 use super::layout::Layout;
 use super::{Compiler, Frame, InterpError, Memory, Pointer, Value, unsupported};
 use base::value::Scalar;

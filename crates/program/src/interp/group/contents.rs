@@ -1,9 +1,10 @@
 //! Loads, stores and atomic functions of a workgroup.
 
-use super::super::code::{Combine, File, MemoryAccess, MemoryOp, Register};
+use super::super::code::{File, Register};
 use super::super::domain::Domain;
 use super::super::plain::{Column, Number, Plain};
 use super::super::slots::SLOTS;
+use super::access::{Combine, MemoryAccess, MemoryOp};
 use super::memory::{Access, Incident, Party, Wrong};
 use super::{Group, Space};
 use base::value::Scalar;

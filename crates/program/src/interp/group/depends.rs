@@ -4,8 +4,9 @@ use std::collections::{HashMap, HashSet};
 
 use naga::BuiltIn;
 
-use super::super::code::{Executable, File, Inst, MemoryAccess, MemoryOp, Reg, Step, Touch};
+use super::super::code::{Executable, File, Inst, Reg, Touch};
 use super::super::domain::Site;
+use super::access::{MemoryAccess, MemoryOp, Step};
 use super::shape::Space;
 
 /// A set of memories by their numbers; all from the 64th on are one.

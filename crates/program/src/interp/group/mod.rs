@@ -9,6 +9,7 @@
 //! buffers ─▶ contents, word by word ─────────────┴─ run ─▶ Outcome: contents behind it, incidents
 //! ```
 
+mod access;
 mod contents;
 mod depends;
 mod memory;
@@ -30,6 +31,7 @@ pub use depends::{Depends, Sources, Uses};
 pub use memory::{Access, Incident, Party, Wrong};
 pub use shape::{Array, Leaf, MemoryShape, Space};
 
+pub(super) use access::{Combine, MemoryAccess, MemoryOp, Step};
 use memory::{Contents, Log};
 
 /// A dispatch.
