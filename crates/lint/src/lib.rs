@@ -15,6 +15,7 @@ pub mod fix;
 mod flow;
 mod glsl;
 mod host;
+mod kernel;
 mod page;
 mod prelude;
 mod program;

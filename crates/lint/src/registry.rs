@@ -70,6 +70,8 @@ pub const RULES: &[&Rule] = &[
     &program::block_drift::RULE,
     &glsl::location_twice::RULE,
     &glsl::function_without_body::RULE,
+    // K. Compute kernels: work groups and their memory.
+    &glsl::missing_barrier::RULE,
     // N. Numbers: domains of functions, precision, division by zero.
     &glsl::pow_negative_base::RULE,
     &glsl::pow_zero_exponent_zero::RULE,

@@ -11,6 +11,7 @@ mod testing;
 mod variable;
 pub(crate) mod walk;
 
+pub(super) use numeric::bare;
 pub(super) use walk::has_errors;
 
 // Rules: each in a folder with its name, with its pages.
@@ -57,6 +58,7 @@ pub(super) mod matrix_vector_dim;
 pub(super) mod max_vertices_too_large;
 pub(super) mod max_vertices_too_small;
 pub(super) mod maybe_uninitialised_read;
+pub(super) mod missing_barrier;
 pub(super) mod missing_end_primitive;
 pub(super) mod missing_homogeneous_divide;
 pub(super) mod missing_layout;

@@ -1,0 +1,123 @@
+//! Compute kernels as their work groups run them: every invocation of one group at a time, statement by statement, with
+//! the numbers that follow from the place of an invocation in the group. What follows from data is not known, and both
+//! ways of a condition on it are walked.
+
+mod builtins;
+mod eval;
+mod shared;
+mod value;
+mod walk;
+
+pub use shared::{Kind, Race};
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use syntax::ast::{Block, ExprId};
+use syntax::symbols::{FunctionId, SymbolId};
+use syntax::{Shader, Stage};
+
+use crate::wgsl;
+
+/// Invocations of a work group that are followed.
+const MOST_LANES: u32 = 1024;
+
+/// Invocations in each direction of a group whose size the text does not state.
+const ASSUMED: [u32; 3] = [64, 1, 1];
+
+/// An entry point of a kernel.
+pub struct Kernel {
+    /// Its function.
+    pub function: FunctionId,
+    /// The size of its work groups, as far as the text states it.
+    pub size: Option<[u32; 3]>,
+    /// Parameters and members of parameters with built-in values: of WGSL alone.
+    inputs: Vec<(SymbolId, Option<String>, String)>,
+}
+
+/// The kernels of a shader.
+pub fn kernels(shader: &Shader) -> Vec<Kernel> {
+    if let Some(module) = shader.wgsl() {
+        let compute = module.entry_points.iter().filter(|e| e.stage == Stage::Compute);
+        return compute
+            .map(|entry| {
+                let inputs = wgsl::inputs(shader, module, entry.item);
+                let inputs = inputs.iter().filter_map(|i| {
+                    let name = wgsl::builtin_value(shader, i.attributes)?;
+                    Some((i.param, i.member.map(str::to_owned), name.to_owned()))
+                });
+                Kernel { function: entry.function, size: entry.workgroup, inputs: inputs.collect() }
+            })
+            .collect();
+    }
+    let main = shader.functions().find(|(_, f)| f.name.name == "main" && f.definition.is_some());
+    let main = main.filter(|_| shader.stage() == Stage::Compute);
+    main.map(|(function, _)| Kernel { function, size: local_size(shader), inputs: Vec::new() }).into_iter().collect()
+}
+
+/// `layout(local_size_x = 8, …) in;`
+fn local_size(shader: &Shader) -> Option<[u32; 3]> {
+    let mut size = [None; 3];
+    for layout in &shader.interface().stage_layouts {
+        for (slot, key) in size.iter_mut().zip(["local_size_x", "local_size_y", "local_size_z"]) {
+            let Some(entry) = layout.qualifiers.layout_entry(key) else { continue };
+            let number = shader.fold(entry.value?)?.as_integer()?;
+            *slot = Some(u32::try_from(number).ok()?);
+        }
+    }
+    size.iter().any(Option::is_some).then(|| size.map(|s| s.unwrap_or(1)))
+}
+
+/// The body of a function.
+fn body(shader: &Shader, function: FunctionId) -> Option<&Block> {
+    shader.function_syntax(shader.function_info(function))?.body.as_ref()
+}
+
+/// Accesses to shared memory in the kernels of a shader that meet in one element with no barrier between them: the first
+/// of each variable and kind.
+pub fn races(shader: &Shader) -> Vec<Race> {
+    let mut found = BTreeSet::new();
+    for kernel in kernels(shader) {
+        let size = kernel.size.unwrap_or(ASSUMED);
+        let lanes = size.iter().try_fold(1_u32, |all, s| all.checked_mul(*s));
+        let Some(2..=MOST_LANES) = lanes else { continue };
+        found.extend(walk::Walk::new(shader, &kernel, size).run());
+    }
+    let mut first: BTreeMap<(SymbolId, bool), Race> = BTreeMap::new();
+    for race in found {
+        let key = (race.symbol, race.kind == Kind::Write);
+        // One with a witness says more.
+        match first.get(&key) {
+            Some(old) if old.witness.is_some() || race.witness.is_none() => {}
+            _ => {
+                first.insert(key, race);
+            }
+        }
+    }
+    first.into_values().collect()
+}
+
+/// The variable of an expression and the indices and members on the way to its part.
+fn place(shader: &Shader, id: ExprId) -> Option<(SymbolId, Vec<Part>)> {
+    use syntax::ast::ExprKind;
+    match &shader.expr(id).kind {
+        ExprKind::Name(_) => Some((shader.symbol_of(id)?, Vec::new())),
+        ExprKind::Paren(inner) => place(shader, *inner),
+        ExprKind::Index { base, index } => {
+            let (symbol, mut parts) = place(shader, *base)?;
+            parts.push(Part::Index(*index));
+            Some((symbol, parts))
+        }
+        ExprKind::Field { base, field } => {
+            let (symbol, mut parts) = place(shader, *base)?;
+            parts.push(Part::Member(field.name.clone()));
+            Some((symbol, parts))
+        }
+        _ => None,
+    }
+}
+
+/// A step on the way to a part, as written.
+enum Part {
+    Index(ExprId),
+    Member(String),
+}
