@@ -21,6 +21,7 @@ pub const RULES: &[&Rule] = &[
     &glsl::unused_parameter::RULE,
     &glsl::unused_function::RULE,
     &glsl::varying_written_on_some_paths::RULE,
+    &glsl::lost_in_swap::RULE,
     // G. Geometry shaders.
     &glsl::max_vertices_too_small::RULE,
     &glsl::max_vertices_too_large::RULE,
@@ -72,6 +73,7 @@ pub const RULES: &[&Rule] = &[
     &glsl::function_without_body::RULE,
     // K. Compute kernels: work groups and their memory.
     &glsl::missing_barrier::RULE,
+    &glsl::unguarded_invocation::RULE,
     // N. Numbers: domains of functions, precision, division by zero.
     &glsl::pow_negative_base::RULE,
     &glsl::pow_zero_exponent_zero::RULE,
@@ -103,6 +105,7 @@ pub const RULES: &[&Rule] = &[
     &glsl::loop_beyond_array::RULE,
     &glsl::texel_edge::RULE,
     &glsl::mix_ends_swapped::RULE,
+    &glsl::unsigned_wraps::RULE,
     // P. Cost.
     &glsl::inverse_in_shader::RULE,
     &glsl::matrix_chain_order::RULE,

@@ -4,10 +4,12 @@
 
 mod builtins;
 mod eval;
+mod guard;
 mod shared;
 mod value;
 mod walk;
 
+pub use guard::{indexed_arrays, unguarded_store};
 pub use shared::{Kind, Race};
 
 use std::collections::{BTreeMap, BTreeSet};

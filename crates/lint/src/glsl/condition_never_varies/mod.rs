@@ -127,28 +127,62 @@ fn decided(shader: &Shader, id: ExprId) -> Option<bool> {
     }
 }
 
+/// What a comparison of an unsigned number with a written 0 always is.
+fn of_unsigned(shader: &Shader, id: ExprId) -> Option<bool> {
+    let ExprKind::Binary { op, op_span: _, left, right } = shader.expr(id).kind else { return None };
+    let zero = |id: ExprId| {
+        let expr = shader.expr(bare(shader, id));
+        matches!(expr.kind, ExprKind::Literal(_)) && !expr.from_macro && constant(shader, id) == Some(0.0)
+    };
+    let unsigned = |id: ExprId| {
+        // In a text that something else fills in, a literal may be what a name of the author stands for.
+        shader.type_of(id).scalar() == Some(ScalarType::Uint) && shader.fold(id).is_none()
+    };
+    match op {
+        BinaryOp::GreaterEqual if unsigned(left) && zero(right) => Some(true),
+        BinaryOp::LessEqual if zero(left) && unsigned(right) => Some(true),
+        BinaryOp::Less if unsigned(left) && zero(right) => Some(false),
+        BinaryOp::Greater if zero(left) && unsigned(right) => Some(false),
+        _ => None,
+    }
+}
+
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     let shader = &file.shader;
     for (id, expr) in shader.arena().iter() {
-        let Some(always) = decided(shader, id).filter(|_| !expr.from_macro) else { continue };
+        let unsigned = of_unsigned(shader, id);
+        let Some(always) = decided(shader, id).or(unsigned).filter(|_| !expr.from_macro) else { continue };
         let message = if always {
             message!("this condition is always true", "この条件は常に真です")
         } else {
             message!("this condition is never true", "この条件は決して真になりません")
         };
-        findings.push(
-            findings
-                .at(&file.file, expr.span, message)
-                .with_label(message!("decided by the bounds", "境界だけで決まる"))
-                .with_why(message!(
+        let (label, why, help) = if unsigned.is_some() {
+            (
+                message!("an unsigned number is never below 0", "符号なしの数は 0 を下回らない"),
+                message!(
+                    "what would be negative wraps to a large number, and passes the test",
+                    "負になるはずの値は大きな数に回り込み、この判定では分かりません"
+                ),
+                message!(
+                    "compare before subtracting (`a >= b` for `a - b >= 0`), or compute with signed numbers",
+                    "引く前に比べるか（`a - b >= 0` なら `a >= b`）、符号付きの数で計算してください"
+                ),
+            )
+        } else {
+            (
+                message!("decided by the bounds", "境界だけで決まる"),
+                message!(
                     "the ranges that the two comparisons leave cover everything, or have nothing in common",
                     "二つの比較の範囲を合わせると全体になるか、共通部分がありません"
-                ))
-                .with_help(message!(
+                ),
+                message!(
                     "look at `&&` and `||`, `any` and `all`, and the order of the bounds",
                     "`&&` と `||`、`any` と `all`、境界の順序を確かめてください"
-                )),
-        );
+                ),
+            )
+        };
+        findings.push(findings.at(&file.file, expr.span, message).with_label(label).with_why(why).with_help(help));
     }
 }
 
@@ -173,6 +207,10 @@ mod tests {
         };
         assert_eq!(wgsl("any(v >= vec2f(0.0)) || any(v <= vec2f(1.0))"), 1);
         assert_eq!(wgsl("i >= 4 * n && i < n"), 1);
+        assert_eq!(wgsl("i - n >= 0"), 1, "unsigned");
+        assert_eq!(wgsl("i - n < 0u"), 1);
+        assert_eq!(wgsl("i32(i) - i32(n) >= 0"), 0);
+        assert_eq!(wgsl("i > 0u"), 0);
         assert_eq!(wgsl("i >= n && i < 4 * n"), 0);
         assert_eq!(wgsl("all(v >= vec2f(0.0)) && all(v <= vec2f(1.0))"), 0);
         assert_eq!(wgsl("any(v < vec2f(0.0)) || any(v > vec2f(1.0))"), 0);

@@ -1,8 +1,7 @@
 //! W014: a dispatch whose count of work groups is the number of items.
 
-mod guard;
-
 use crate::host::HostFile;
+use crate::kernel::{kernels, unguarded_store};
 use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
@@ -27,7 +26,9 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
         let Some(entry) = started(module, stage) else { continue };
         // Groups that are one invocation wide are items.
         let Some([wide, 1, 1]) = entry.workgroup.filter(|size| size[0] > 1) else { continue };
-        let Some(stored) = guard::unguarded_store(&file.shader, module, entry) else { continue };
+        let kernel = kernels(&file.shader).into_iter().find(|k| k.function == entry.function);
+        let Some(stored) = kernel.and_then(|k| unguarded_store(&file.shader, &k)) else { continue };
+        let stored = file.shader.expr(stored).span;
         let (name, count, all) = (&dispatch.name, dispatch.count, dispatch.count.saturating_mul(u64::from(wide)));
         let what = message!(
             "`{name}` work groups of {wide} are {all} invocations, for {count} items",

@@ -2,22 +2,18 @@
 
 use std::collections::BTreeSet;
 
-use base::text::Span;
 use syntax::Shader;
 use syntax::ast::{BinaryOp, Declarator, ExprId, ExprKind};
 use syntax::symbols::{CallTarget, SymbolId};
-use syntax::wgsl::{EntryPoint, Module};
 
+use super::Kernel;
 use crate::glsl::walk;
-use crate::wgsl::{builtin_value, inputs, root};
+use crate::wgsl::root;
 
 /// The first store whose index follows from the number of the invocation, where nothing limits that number.
-pub(super) fn unguarded_store(shader: &Shader, module: &Module, entry: &EntryPoint) -> Option<Span> {
-    let mut numbers: BTreeSet<SymbolId> = inputs(shader, module, entry.item)
-        .iter()
-        .filter(|i| builtin_value(shader, i.attributes) == Some("global_invocation_id"))
-        .map(|i| i.param)
-        .collect();
+pub fn unguarded_store(shader: &Shader, kernel: &Kernel) -> Option<ExprId> {
+    let mut numbers: BTreeSet<SymbolId> = shader.builtin("gl_GlobalInvocationID").into_iter().collect();
+    numbers.extend(kernel.inputs.iter().filter(|i| i.2 == "global_invocation_id").map(|i| i.0));
     spread(shader, &mut numbers);
     let mut store = None;
     for (id, expr) in shader.arena().iter() {
@@ -38,11 +34,8 @@ pub(super) fn unguarded_store(shader: &Shader, module: &Module, entry: &EntryPoi
                 _ => return None,
             },
             ExprKind::Ternary { condition, .. } if follows(condition) => return None,
-            ExprKind::Assign { target, .. } => {
-                let index = indices(shader, *target);
-                if index.iter().any(follows) && store.is_none() {
-                    store = Some(expr.span);
-                }
+            ExprKind::Assign { target, .. } if indices(shader, *target).iter().any(follows) && store.is_none() => {
+                store = Some(*target);
             }
             _ => {}
         }
@@ -95,6 +88,19 @@ fn indices(shader: &Shader, id: ExprId) -> Vec<ExprId> {
             found
         }
         ExprKind::Field { base, .. } | ExprKind::Paren(base) => indices(shader, *base),
+        _ => Vec::new(),
+    }
+}
+
+/// The arrays that are indexed on the way to a place.
+pub fn indexed_arrays(shader: &Shader, id: ExprId) -> Vec<ExprId> {
+    match &shader.expr(id).kind {
+        ExprKind::Index { base, index: _ } => {
+            let mut found = indexed_arrays(shader, *base);
+            found.push(*base);
+            found
+        }
+        ExprKind::Field { base, .. } | ExprKind::Paren(base) => indexed_arrays(shader, *base),
         _ => Vec::new(),
     }
 }
