@@ -166,13 +166,20 @@ fn functions_that_stand_alone_are_run_where_others_lack_something() {
 }
 
 #[test]
-fn early_drafts_of_the_language_are_told_as_such() {
-    let old = "[[group(0), binding(0)]] var<uniform> a: f32;\nfn f(x: f32) -> f32 { return x * a; }\n";
-    let (_, out, err) = run(&[("old.wgsl", old)], &["fuzz", "--lane", "embedded"]);
-    assert!(format!("{out}{err}").contains("`@group(0) @binding(1)` now"), "{out}{err}");
-    let old = "let a = 1.0;\nfn f(x: f32) -> f32 { return x * a; }\n";
-    let (_, out, err) = run(&[("old.wgsl", old)], &["fuzz", "--lane", "embedded"]);
-    assert!(format!("{out}{err}").contains("early drafts of WGSL had `let`"), "{out}{err}");
+fn early_drafts_of_the_language_are_read() {
+    let old = "[[block]] struct U { scale: f32; };\n[[group(0), binding(0)]] var<uniform> u: U;\nlet a = 2.0;\n\
+               fn f(x: f32) -> f32 { return 1.0 / (x * a); }\n";
+    let (status, out, err) = run(&[("old.wgsl", old)], &["fuzz", "--lane", "embedded"]);
+    let told = format!("{out}{err}");
+    assert!(status != Some(2) && told.contains("old.wgsl:1:1: an early draft of WGSL"), "{told}");
+    assert!(told.contains("1 functions run") && told.contains("old.wgsl:4:"), "{told}");
+    let (status, out, err) = run(&[("old.wgsl", old)], &["lint", "--format", "concise"]);
+    assert!(status == Some(0) && out.contains("old.wgsl:1:1: info[E076]"), "{out}{err}");
+    // What has no equivalent is an error at its place.
+    let gone = format!("{old}fn g(x: f32) -> bool {{ return isNan(x); }}\n");
+    let (status, out, err) = run(&[("old.wgsl", &gone)], &["fuzz", "--lane", "embedded"]);
+    let told = format!("{out}{err}");
+    assert!(status == Some(1) && told.contains("E076") && told.contains("old.wgsl:5:31"), "{told}");
 }
 
 /// A suite of the function `f` of `part.wgsl`, with more keys.

@@ -12,6 +12,7 @@
 
 mod condition;
 mod declaration;
+mod draft;
 mod features;
 mod import;
 mod link;
@@ -70,8 +71,8 @@ pub struct Composed {
     pub guessed: Vec<Guessed>,
     /// Names that neither the text declares nor the language.
     pub undeclared: Vec<Undeclared>,
-    /// Imports of what is not there that nothing uses.
-    pub warnings: Vec<Diagnostic>,
+    /// Worth knowing: imports of what is not there that nothing uses, and files in an early draft of the language.
+    pub notes: Vec<Diagnostic>,
     /// Names of [`Options::defines`] that one of the files mentions.
     pub stated: Vec<String>,
     /// The text without what lacks a declaration, where it lacks some and functions are left.
@@ -140,11 +141,6 @@ impl Composed {
     /// What to tell where the text lacks declarations: which names, and what to do. None where it lacks none.
     pub fn fragment(&self) -> Option<Diagnostic> {
         let first = self.undeclared.first()?;
-        if self.file.text()[..first.span.start].trim_end().ends_with("[[") {
-            let message = "attributes in double brackets are of an early draft of WGSL";
-            let new = Diagnostic::new(errors::FRAGMENT, Severity::Error, &self.file, first.span, message);
-            return Some(new.with_help("`[[group(0), binding(1)]]` is `@group(0) @binding(1)` now").at_origin());
-        }
         let names: Vec<String> = self.undeclared.iter().map(|u| format!("`{}`", u.name)).collect();
         let (shown, more) = names.split_at(names.len().min(5));
         let more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };
@@ -173,6 +169,13 @@ pub fn compose(root: &SourceFile, options: &Options, library: &mut dyn Library) 
     let mut problems = Problems::default();
     let composed = link::link(root, options, library, &mut problems);
     if problems.found.is_empty() { Ok(composed) } else { Err(problems.found) }
+}
+
+/// A text in an early draft of WGSL as the language has it today, without its imports, and that it is such a text. None
+/// for every other text.
+pub fn from_draft(file: &SourceFile) -> Option<(SourceFile, Diagnostic)> {
+    let draft::Current { file, note } = draft::modernise(file, &mut Problems::default());
+    Some((file, note?))
 }
 
 /// What is wrong with the files.

@@ -52,19 +52,19 @@ pub(crate) fn link(
         siblings: None,
         guessed: Vec::new(),
         undeclared: Vec::new(),
-        warnings: Vec::new(),
+        notes: Vec::new(),
         arrows: Vec::new(),
         lacking: HashMap::new(),
     };
     linker.run(root);
-    let Linker { mut linked, guessed, undeclared, paths, warnings, lacking, .. } = linker;
+    let Linker { mut linked, guessed, undeclared, paths, notes, lacking, .. } = linker;
     let composed = naming::write(root, &linked, &paths, options, undeclared);
     let rest = if lacking.is_empty() { None } else { linked.without(lacking) };
     let rest =
         rest.map(|left_out| Rest { file: naming::write(root, &linked, &paths, options, Vec::new()).file, left_out });
     let mentioned = |name: &str| linked.modules.iter().any(|module| mentions(&module.author, name));
     let stated = options.defines.iter().map(|(name, _)| name).filter(|name| mentioned(name)).cloned().collect();
-    Composed { guessed, warnings, stated, rest, ..composed }
+    Composed { guessed, notes, stated, rest, ..composed }
 }
 
 impl Linked {
@@ -126,7 +126,7 @@ struct Linker<'a> {
     siblings: Option<Vec<SourceFile>>,
     guessed: Vec<Guessed>,
     undeclared: Vec<(Item, Use, Undeclared)>,
-    warnings: Vec<Diagnostic>,
+    notes: Vec<Diagnostic>,
     /// Directives by which one module imports another, with the place.
     arrows: Vec<(usize, usize, SourceFile, Span)>,
     /// Declarations that use a name that nothing declares.
@@ -196,7 +196,8 @@ impl Linker<'_> {
         if self.linked.modules.len() >= MOST_MODULES {
             return None;
         }
-        let module = Module::read(file, &self.options.defines, self.options, self.library, self.problems);
+        let mut module = Module::read(file, &self.options.defines, self.options, self.library, self.problems);
+        self.notes.extend(module.draft.take());
         Some(self.add(file, path, module))
     }
 
@@ -424,7 +425,7 @@ impl Linker<'_> {
                             let errors = std::mem::take(&mut self.problems.found);
                             self.missing(at, &import.path, missing, &file, import.span);
                             let found = std::mem::replace(&mut self.problems.found, errors);
-                            self.warnings
+                            self.notes
                                 .extend(found.into_iter().map(|d| Diagnostic { severity: Severity::Warning, ..d }));
                         }
                     }

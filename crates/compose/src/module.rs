@@ -3,6 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
+use base::diagnostic::Diagnostic;
 use base::text::{Assembly, SourceFile, Span};
 use syntax::include::resolve_plain;
 use syntax::{errors, plain};
@@ -11,7 +12,7 @@ use crate::condition::{self, node_end};
 use crate::declaration::{Declaration, declarations};
 use crate::import::{Import, imports};
 use crate::token::{Token, behind_template, brackets, tokens};
-use crate::{Library, Options, Problems, template};
+use crate::{Library, Options, Problems, draft, template};
 
 /// A file as the text takes it.
 pub(crate) struct Module {
@@ -30,6 +31,8 @@ pub(crate) struct Module {
     pub left_out: Vec<(String, String)>,
     /// Names that are declared in functions.
     pub locals: HashSet<String>,
+    /// That the file is an early draft of the language, with the edits that repair it.
+    pub draft: Option<Diagnostic>,
 }
 
 /// An import with the file and place that it stands at.
@@ -67,6 +70,7 @@ impl Module {
             }
         }
         let file = without_imports(&file, &mut found, problems);
+        let draft::Current { file, note } = draft::modernise(&file, problems);
         let tokens = tokens(file.text());
         let behind = brackets(&tokens);
         let (declarations, locals) = declarations(&file, &tokens, &behind, problems);
@@ -80,7 +84,18 @@ impl Module {
             let names = declared_names(author).into_iter().filter(|name| !names.contains_key(name));
             left_out.extend(names.map(|name| (name, "a directive such as `#ifdef`".to_owned())));
         }
-        Self { file, author: author.clone(), tokens, declarations, names, imports: found, says, left_out, locals }
+        Self {
+            file,
+            author: author.clone(),
+            tokens,
+            declarations,
+            names,
+            imports: found,
+            says,
+            left_out,
+            locals,
+            draft: note,
+        }
     }
 
     /// The text of a token.

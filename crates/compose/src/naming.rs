@@ -17,14 +17,14 @@ pub(crate) fn write(
     options: &Options,
     undeclared: Vec<(Item, Use, Undeclared)>,
 ) -> Composed {
-    let (guessed, warnings) = (Vec::new(), Vec::new());
+    let (guessed, notes) = (Vec::new(), Vec::new());
     let Some(first) = linked.modules.first() else {
         return Composed {
             file: root.clone(),
             renamed: Vec::new(),
             guessed,
             undeclared: Vec::new(),
-            warnings,
+            notes,
             stated: Vec::new(),
             rest: None,
         };
@@ -49,7 +49,7 @@ pub(crate) fn write(
         Undeclared { span: Span::new(start, start + token.len()), ..undeclared }
     });
     let undeclared = placed.collect();
-    Composed { file, renamed, guessed, undeclared, warnings, stated: Vec::new(), rest: None }
+    Composed { file, renamed, guessed, undeclared, notes, stated: Vec::new(), rest: None }
 }
 
 fn name_of(linked: &Linked, (module, at): Item) -> Option<&str> {

@@ -252,7 +252,7 @@ fn what_is_not_there_is_told_with_what_was_meant() {
 fn what_nobody_uses_is_not_missed() {
     let files: Files = &[("app/main.wesl", "import super::gone::x;\nfn f() {}")];
     let composed = run(files, &[]).unwrap();
-    let [warning] = &composed.warnings[..] else { panic!("{:?}", composed.warnings) };
+    let [warning] = &composed.notes[..] else { panic!("{:?}", composed.notes) };
     assert_eq!(warning.file.locate(warning.span.start), "app/main.wesl:1:21");
     let files: Files = &[
         ("main.wgsl", "#import e::m::x\nfn f() { x(); }"),
@@ -404,4 +404,109 @@ fn entry_points_keep_their_names() {
     ];
     let text = text(files, &[]);
     assert!(text.contains("fn main()") && text.contains("override X = 1;") && text.contains("_helper()"), "{text}");
+}
+
+/// What a text of one file becomes.
+fn current(text: &'static str) -> String {
+    let root = SourceFile::new("old.wgsl", text);
+    let composed = compose(&root, &Options::default(), &mut Shelf(HashMap::new())).unwrap();
+    assert_eq!(composed.notes.len(), usize::from(composed.file.text().trim() != text.trim()), "{:?}", composed.notes);
+    composed.file.text().trim().to_owned()
+}
+
+#[test]
+fn early_drafts_become_the_language_of_today() {
+    let pairs = [
+        (
+            "[[block]]\nstruct U { [[align(16)]] m: mat4x4<f32>; [[size(16)]] a: f32; };\n\
+             [[group(0), binding(1)]] var<uniform> u: U;",
+            "struct U { @align(16) m: mat4x4<f32>, @size(16) a: f32, };\n@group(0) @binding(1) var<uniform> u: U;",
+        ),
+        (
+            "[[stage(vertex)]] fn main([[builtin(vertex_idx)]] i: u32) -> [[builtin(position)]] vec4<f32> { return vec4<f32>(); }",
+            "@vertex fn main(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> { return vec4<f32>(); }",
+        ),
+        (
+            "[[stage(compute), workgroup_size(8, N)]] fn main() -> void { const a = 1; if (a > 2) { } elseif (a < 1) { } }",
+            "@compute @workgroup_size(8, N) fn main()  { let a = 1; if (a > 2) { } else if (a < 1) { } }",
+        ),
+        ("[[location 0]] [[set 1, binding 2]]\nfn f() {}", "@location(0) @group(1) @binding(2)\nfn f() {}"),
+        (
+            "struct V { [[location(0)]] a: u32; [[location(1), interpolate(flat)]] b: i32; [[location(2)]] c: f32; };\n\
+             [[stage(vertex)]] fn main([[location(0)]] v: vec2<i32>) {}\n\
+             [[stage(fragment)]] fn main() -> [[location(0)]] vec4<f32> {}\n[[stage(compute)]] fn c() { ignore(b); }",
+            "struct V { @location(0) @interpolate(flat) a: u32, @location(1) @interpolate(flat) b: i32, @location(2) c: f32, };\n\
+             @vertex fn main(@location(0) @interpolate(flat) v: vec2<i32>) {}\n\
+             @fragment fn main_fragment() -> @location(0) vec4<f32> {}\n@workgroup_size(1) @compute fn c() { ; }",
+        ),
+        ("let a = 1; type T = f32;\nfn f() { let b = 2; }", "const a = 1; alias T = f32;\nfn f() { let b = 2; }"),
+        (
+            "@stage(fragment) fn f() { let a = smoothStep(0., 1., 2.); }",
+            "@fragment fn f() { let a = smoothstep(0., 1., 2.); }",
+        ),
+        (
+            "[[override(3)]] let n: i32 = 1; @override let m: i32 = 2;",
+            "@id(3) override n: i32 = 1;  override m: i32 = 2;",
+        ),
+        (
+            "struct B { d: [[stride(4)]] array<f32>; };\nvar<storage> b: [[access(write)]] B;\n\
+             var t: [[access(read)]] texture_storage_2d<rgba8unorm>;\n\
+             fn f() { let s = textureDimensions(t); let n = arrayLength(b.d); ignore(n + 1); }",
+            "struct B { d:  array<f32>, };\nvar<storage, read_write> b:  B;\n\
+             var t:  texture_storage_2d<rgba8unorm, read>;\n\
+             fn f() { let s = vec2<i32>(textureDimensions(t)); let n = arrayLength(&b.d); _ = (n + 1); }",
+        ),
+    ];
+    for (old, new) in pairs {
+        let tidy = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(tidy(&current(old)), tidy(new));
+    }
+}
+
+#[test]
+fn the_language_of_today_is_no_draft() {
+    for text in [
+        "// [[block]] let a = 1;\n@vertex fn f(@location(0) a: f32) -> @builtin(position) vec4f { let b = x[y[0]]; return vec4f(a); }",
+        "fn smoothStep(a: f32) -> f32 { return a; }\nfn f() -> f32 { return smoothStep(1.0); }",
+        "struct A { a: f32, b: array<f32, 4> }\nfn f() { const a = 1; let s = select(1, 2, true); }",
+        "fn ignore(a: f32) {}\nfn f() { ignore(1.0); };",
+    ] {
+        assert_eq!(current(text), text);
+    }
+}
+
+#[test]
+fn what_drafts_had_and_nothing_replaces_is_refused_by_name() {
+    for (text, told) in [
+        (
+            "struct B { d: [[stride(16)]] array<f32>; };",
+            "E076 old.wgsl:1:17 a stride of 16 bytes where elements follow each other after 4",
+        ),
+        ("[[location(0)]] var<in> a: f32;", "E076 old.wgsl:1:21 `var<in>`"),
+        ("[[foo(1)]] fn f() {}", "E076 old.wgsl:1:3 the attribute `foo`"),
+        ("fn f(x: f32) -> bool { return isNan(x); }\nlet a = 1;", "E076 old.wgsl:1:31 `isNan`"),
+        ("entry_point vertex as \"main\" = f;\nlet a = 1;", "E076 old.wgsl:1:1 `entry_point`"),
+        ("[[block] struct A { a: f32; };", "E076 old.wgsl:1:1 this attribute"),
+    ] {
+        let mut shelf = Shelf(HashMap::new());
+        let found = compose(&SourceFile::new("old.wgsl", text), &Options::default(), &mut shelf).unwrap_err();
+        let shown: Vec<String> =
+            found.iter().map(|d| format!("{} {} {}", d.code, d.file.locate(d.span.start), &*d.message)).collect();
+        assert!(shown.iter().any(|one| one.starts_with(told)), "{shown:?}");
+    }
+}
+
+#[test]
+fn places_in_a_draft_are_those_of_its_author() {
+    let text =
+        "[[group(0), binding(1)]] var<uniform> u: f32;\nstruct S { a: f32; b: f32; };\nfn f() -> f32 { return u; }";
+    let (file, note) = crate::from_draft(&SourceFile::new("old.wgsl", text)).unwrap();
+    for word in ["var<uniform>", "b: f32", "return u"] {
+        let (own, span) = file.origin(base::text::Span::at(file.text().find(word).unwrap()));
+        assert!(own.text()[span.start..].starts_with(word), "{word}");
+    }
+    assert_eq!(note.file.locate(note.span.start), "old.wgsl:1:1");
+    let edits: base::text::EditList = note.fix.unwrap().edits.into_iter().collect();
+    assert_eq!(edits.apply(text).unwrap().text, file.text());
+    assert!(crate::from_draft(&SourceFile::new("new.wgsl", file.text())).is_none(), "once is enough");
 }

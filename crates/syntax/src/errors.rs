@@ -88,6 +88,8 @@ pub const TEMPLATE: Code = Code("E073");
 pub const FRAGMENT: Code = Code("E074");
 /// A name that is imported twice, or imported and declared.
 pub const IMPORTED_TWICE: Code = Code("E075");
+/// A text in an early draft of WGSL, or what only such drafts have.
+pub const EARLY_DRAFT: Code = Code("E076");
 
 // Codes of rules of the lint tool: the rule has the page and adds the fix.
 
@@ -177,4 +179,5 @@ pub const ALL: &[(Code, &str)] = &[
     (TEMPLATE, "a placeholder of a template without a value, or a template that is not read"),
     (FRAGMENT, "a text that is one part of several: a name is declared neither in it nor in what it imports"),
     (IMPORTED_TWICE, "a name that is imported twice, or imported and declared"),
+    (EARLY_DRAFT, "a text in an early draft of WGSL, or what only such drafts have"),
 ];

@@ -4,9 +4,10 @@ use std::sync::{Mutex, PoisonError};
 
 use base::diagnostic::Diagnostic;
 use base::text::SourceFile;
-use compose::{Options, features};
+use compose::{Options, features, from_draft};
 use disk::Modules;
 use lint::{Composed, Composer, Level};
+use syntax::errors::EARLY_DRAFT;
 
 /// What joins texts in WGSL with the files that they import. Where one is missing, they are linted as they are.
 pub fn composer() -> Composer {
@@ -18,11 +19,18 @@ pub fn composer() -> Composer {
         let whole = |defines| {
             let options = Options { defines, ..Options::default() };
             let composed = modules.lock().unwrap_or_else(PoisonError::into_inner).compose(file, &options).ok()?;
-            composed.undeclared.is_empty().then_some(composed.file)
+            composed.undeclared.is_empty().then_some((composed.file, composed.notes))
         };
-        let file = sets.into_iter().find_map(whole)?;
-        let refused = refused(&file);
-        Some(Composed { file, refused })
+        let draft = |note: Diagnostic| (Level::Default, note);
+        let Some((joined, notes)) = sets.into_iter().find_map(whole) else {
+            // What a text lacks does not keep it from being read as the language that it is in.
+            let (current, note) = from_draft(file)?;
+            return Some(Composed { file: current, refused: vec![draft(note)] });
+        };
+        let mut refused = refused(&joined);
+        let own = notes.into_iter().filter(|note| note.code == EARLY_DRAFT && note.file.name() == file.name());
+        refused.extend(own.map(draft));
+        Some(Composed { file: joined, refused })
     })
 }
 

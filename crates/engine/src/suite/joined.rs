@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use base::diagnostic::{Diagnostic, Message};
-use base::text::SourceFile;
+use base::text::{SourceFile, Span};
 use compose::{Composed, LeftOut, Options};
 use disk::{ComposeError, Modules};
 use program::{ModuleText, ProgramError, Written};
@@ -110,8 +110,13 @@ impl Joined {
             Made::Compiled { file, asked, .. } => return reader(file, asked),
         };
         let taken = composed.guessed.iter().map(|guess| format!("`{}` is taken from {}", guess.name, guess.file));
-        let unused = composed.warnings.iter().map(|w| format!("{}: {}", w.file.locate(w.span.start), &*w.message));
-        taken.chain(unused).collect()
+        let told = composed.notes.iter().flat_map(|note| {
+            let at = |file: &SourceFile, span: Span, text: &str| format!("{}: {text}", file.locate(span.start));
+            let note = note.clone().at_origin();
+            let related = note.related.iter().map(|label| at(&label.file, label.span, &label.message));
+            std::iter::once(at(&note.file, note.span, &note.message)).chain(related).collect::<Vec<_>>()
+        });
+        taken.chain(told).collect()
     }
 }
 

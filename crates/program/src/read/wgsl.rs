@@ -108,9 +108,6 @@ fn refused(file: &SourceFile, error: &ParseError) -> Diagnostic {
     for note in error.notes() {
         found = found.with_why(note.to_owned());
     }
-    if let Some(help) = outdated(file.text(), span) {
-        return found.with_help(help);
-    }
     match Written::guessed(file.text()) {
         Some(other) if other != Written::Wgsl => {
             let help = format!("the text looks like {}: give its file another ending", other.name());
@@ -118,19 +115,6 @@ fn refused(file: &SourceFile, error: &ParseError) -> Diagnostic {
         }
         _ => found,
     }
-}
-
-/// What to write for what the language had in its first drafts.
-fn outdated(text: &str, span: Span) -> Option<&'static str> {
-    let (before, rest) = (text[..span.start].trim_end(), &text[span.start..]);
-    if rest.starts_with("[[") || (rest.starts_with('[') && before.ends_with('[')) {
-        return Some(
-            "this is an attribute of an early draft of WGSL: `[[group(0), binding(1)]]` is `@group(0) @binding(1)` now",
-        );
-    }
-    let at_module_scope = before.is_empty() || before.ends_with([';', '}']);
-    (rest.starts_with("let ") && at_module_scope)
-        .then_some("at module scope, early drafts of WGSL had `let` for what is `const` now")
 }
 
 /// Variables without a value begin as zero (WGSL, 7.2).
