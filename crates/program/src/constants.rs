@@ -49,9 +49,21 @@ pub struct Constants {
     shader: Option<Arc<Shader>>,
     all: Vec<Constant>,
     by_span: HashMap<Span, Vec<usize>>,
+    /// The shader holds the constants of the text and is not the text.
+    moved: bool,
 }
 
 impl Constants {
+    /// With the places of the author's text, where the shader is a text that was made of it.
+    pub(crate) fn moved(mut self, author: &dyn Fn(Span) -> Span) -> Self {
+        (self.by_span, self.moved) = (HashMap::new(), true);
+        for (at, constant) in self.all.iter_mut().enumerate() {
+            constant.span = author(constant.span);
+            self.by_span.entry(constant.span).or_default().push(at);
+        }
+        self
+    }
+
     /// Of a shader.
     pub(crate) fn new(shader: Arc<Shader>) -> Self {
         let reals = Reals::new(&shader, &|_, value| value);
@@ -77,7 +89,7 @@ impl Constants {
 
     /// The shader in GLSL, where there is one.
     pub(super) fn glsl(&self) -> Option<&Shader> {
-        self.shader.as_deref().filter(|shader| shader.wgsl().is_none())
+        self.shader.as_deref().filter(|shader| shader.wgsl().is_none() && !self.moved)
     }
 
     /// The shader in WGSL, where there is one.

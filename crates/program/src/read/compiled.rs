@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use naga::{AddressSpace, Module};
 
-use super::lines::{At, Lines, kept, renamed};
+use super::lines::{At, Goes, Lines, kept, renamed};
 use super::outline::{Head, Outline};
-use super::{ModuleText, Written, rows, spirv};
+use super::{ModuleText, Written, digits, rows, spirv};
 use crate::ProgramError;
 use crate::capabilities::{instructions, known_to_reader};
 use crate::front::UNSUPPORTED;
@@ -27,6 +27,8 @@ pub(super) struct Compiled {
     pub outline: Arc<Outline>,
     /// Functions of the text, by the names that they have in the module.
     pub functions: Vec<(String, Span)>,
+    /// What entry points call their outputs: by the point, and where the output goes.
+    pub outputs: Vec<(String, Goes, String)>,
     /// Modules of the entry points, where the compiler writes one for each.
     pub beside: Vec<ModuleText>,
     /// Functions that are not in the module, with the reason.
@@ -52,7 +54,9 @@ impl ModuleText {
         };
         let mut text = one(file, written, first, &outline)?;
         for words in others {
-            text.compiled.beside.push(one(file, written, words, &outline)?);
+            let other = one(file, written, words, &outline)?;
+            text.compiled.outputs.extend(other.compiled.outputs.iter().cloned());
+            text.compiled.beside.push(other);
         }
         text.compiled.left_out = left_out
             .iter()
@@ -61,6 +65,21 @@ impl ModuleText {
         // A compiler may have kept nothing but what is behind the text.
         text.module.entry_points.retain(|point| !point.name.starts_with(OWN));
         Ok(text)
+    }
+
+    /// What an entry point calls the output that is bound so.
+    pub(super) fn output(&self, point: &str, binding: Option<&naga::Binding>) -> Option<&str> {
+        use naga::{Binding, BuiltIn};
+        let goes = match *binding? {
+            Binding::Location { location, .. } => Goes::Location(location),
+            Binding::BuiltIn(BuiltIn::Position { .. }) => Goes::BuiltIn(0),
+            Binding::BuiltIn(BuiltIn::PointSize) => Goes::BuiltIn(1),
+            Binding::BuiltIn(BuiltIn::SampleMask) => Goes::BuiltIn(20),
+            Binding::BuiltIn(BuiltIn::FragDepth) => Goes::BuiltIn(22),
+            Binding::BuiltIn(_) => return None,
+        };
+        let mut all = self.compiled.outputs.iter();
+        all.find(|(own, to, _)| own == point && *to == goes).map(|(_, _, name)| name.as_str())
     }
 
     /// The head of a function, if the text has it.
@@ -98,8 +117,10 @@ fn one(
     let places: Vec<Span> = std::iter::repeat_n(Span::default(), added).chain(places).collect();
     let mut module = spirv::read(&file, &words, &places)?;
     unnamed_blocks(&mut module, outline);
-    let compiled = Compiled { outline: outline.clone(), functions, ..Compiled::default() };
-    Ok(ModuleText { module, file, written, tree: None, constants: Arc::default(), compiled })
+    let outputs = outputs(&lines, &names, outline);
+    let compiled = Compiled { outline: outline.clone(), functions, outputs, ..Compiled::default() };
+    let constants = Arc::new(digits::constants(&file));
+    Ok(ModuleText { module, file, written, tree: None, constants, compiled })
 }
 
 /// Blocks whose members the author names alone.
@@ -140,6 +161,27 @@ fn names(lines: &Lines, sources: &Sources, outline: &Outline) -> (HashMap<u32, S
         names.insert(*id, if result { "return".to_owned() } else { own.to_owned() });
     }
     (names, functions)
+}
+
+/// What entry points call their outputs. What a compiler binds to a built-in value may have no name but the author's.
+fn outputs(lines: &Lines, names: &HashMap<u32, String>, outline: &Outline) -> Vec<(String, Goes, String)> {
+    let mut found = Vec::new();
+    for (point, variables) in &lines.points {
+        for id in variables.iter().filter(|id| lines.variables.get(id) == Some(&OUTPUT)) {
+            let Some(&goes) = lines.goes.get(id) else { continue };
+            let semantics: &[&str] = match goes {
+                Goes::BuiltIn(0) => &["SV_POSITION", "POSITION"],
+                Goes::BuiltIn(1) => &["PSIZE", "SV_POINTSIZE"],
+                Goes::BuiltIn(20) => &["SV_COVERAGE"],
+                Goes::BuiltIn(22) => &["SV_DEPTH", "SV_DEPTHGREATEREQUAL", "SV_DEPTHLESSEQUAL", "DEPTH"],
+                Goes::BuiltIn(_) | Goes::Location(_) => &[],
+            };
+            let own = || outline.output(point, semantics).map(str::to_owned);
+            let name = own().or_else(|| names.get(id).filter(|name| !name.is_empty()).cloned());
+            found.extend(name.map(|name| (point.clone(), goes, name)));
+        }
+    }
+    found
 }
 
 /// The author's text and those that the compiler read beside it, one behind the other.

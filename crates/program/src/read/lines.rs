@@ -9,19 +9,32 @@ const OP_STRING: u32 = 7;
 const OP_LINE: u32 = 8;
 const OP_EXT_INST_IMPORT: u32 = 11;
 const OP_EXT_INST: u32 = 12;
+const OP_ENTRY_POINT: u32 = 15;
 const OP_CONSTANT: u32 = 43;
 const OP_UNDEF: u32 = 1;
 const OP_CONSTANT_NULL: u32 = 46;
 const OP_FUNCTION: u32 = 54;
 const OP_FUNCTION_END: u32 = 56;
 const OP_VARIABLE: u32 = 59;
+const OP_DECORATE: u32 = 71;
 const OP_NO_LINE: u32 = 317;
+const LOCATION: u32 = 30;
+const BUILT_IN: u32 = 11;
 /// Instructions of `NonSemantic.Shader.DebugInfo.100`.
 const DEBUG_FUNCTION: u32 = 20;
 const DEBUG_SOURCE: u32 = 35;
 const DEBUG_FUNCTION_DEFINITION: u32 = 101;
 const DEBUG_LINE: u32 = 103;
 const DEBUG_NO_LINE: u32 = 104;
+
+/// Where an output of a stage goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Goes {
+    /// To the location of this number.
+    Location(u32),
+    /// To the built-in value of this number (SPIR-V, 3.21).
+    BuiltIn(u32),
+}
 
 /// A line of a source, with its column from 1, or 0 where only the line is known.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -40,6 +53,10 @@ pub(super) struct Lines {
     pub functions: HashMap<u32, Option<At>>,
     /// Storage classes of variables outside of functions.
     pub variables: HashMap<u32, u32>,
+    /// Entry points by name, with the variables of their interfaces.
+    pub points: Vec<(String, Vec<u32>)>,
+    /// Where variables of interfaces come from or go.
+    pub goes: HashMap<u32, Goes>,
     /// Names by what they name.
     pub names: HashMap<u32, String>,
     /// Which instructions a reader needs: all but those for debuggers.
@@ -75,6 +92,12 @@ impl Lines {
             match (instruction[0] & 0xffff, &instruction[1..]) {
                 (OP_STRING, [id, text @ ..]) => drop(strings.insert(*id, string(text))),
                 (OP_NAME, [id, text @ ..]) => drop(found.names.insert(*id, string(text))),
+                (OP_ENTRY_POINT, [_, _, rest @ ..]) => {
+                    let name = string(rest);
+                    found.points.push((name.clone(), rest[(name.len() / 4 + 1).min(rest.len())..].to_vec()));
+                }
+                (OP_DECORATE, &[id, LOCATION, number, ..]) => drop(found.goes.insert(id, Goes::Location(number))),
+                (OP_DECORATE, &[id, BUILT_IN, number, ..]) => drop(found.goes.insert(id, Goes::BuiltIn(number))),
                 (OP_CONSTANT, [_, id, value]) => drop(numbers.insert(*id, *value as usize)),
                 (OP_EXT_INST_IMPORT, [id, name @ ..]) if string(name) == "NonSemantic.Shader.DebugInfo.100" => {
                     debug = Some(*id);

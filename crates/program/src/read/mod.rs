@@ -8,6 +8,7 @@
 
 mod choose;
 mod compiled;
+mod digits;
 mod flat;
 mod function;
 mod language;

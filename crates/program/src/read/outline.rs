@@ -20,8 +20,8 @@ pub struct Outline {
     pub functions: Vec<Head>,
     /// Names of `cbuffer` and `tbuffer` blocks, whose members have no name in front.
     pub blocks: Vec<String>,
-    /// The semantics in each structure, in capitals.
-    structures: HashMap<String, Vec<String>>,
+    /// The members of each structure that have a semantic, with that semantic in capitals.
+    structures: HashMap<String, Vec<(String, String)>>,
 }
 
 /// The head of a function.
@@ -149,6 +149,19 @@ impl Outline {
         })
     }
 
+    /// What an entry point calls the output with one of these semantics.
+    pub(super) fn output(&self, point: &str, semantics: &[&str]) -> Option<&str> {
+        let head = self.functions.iter().find(|head| head.name == point)?;
+        let is = |semantic: &str| semantics.contains(&semantic);
+        let given = head.params.iter().filter(|param| param.way != Way::In);
+        let own =
+            given.clone().find(|param| param.semantic.as_deref().is_some_and(is)).map(|param| param.name.as_str());
+        let types = std::iter::once(head.result.as_str()).chain(given.map(|param| param.ty.as_str()));
+        let mut members = types.filter_map(|ty| self.structures.get(ty)).flatten();
+        let member = members.find(|(_, semantic)| is(semantic)).map(|(name, _)| name.as_str());
+        own.or(member).or_else(|| head.semantic.as_deref().is_some_and(is).then_some("return"))
+    }
+
     /// The stage of a function that is an entry point; the inner value is none for stages that are not run.
     fn stage(&self, head: &Head) -> Option<Option<Stage>> {
         let attribute = |name: &str| head.attributes.iter().find(|words| words.first().is_some_and(|w| w == name));
@@ -161,7 +174,7 @@ impl Outline {
         if ["maxvertexcount", "domain", "patchconstantfunc"].iter().any(|name| attribute(name).is_some()) {
             return Some(None);
         }
-        let of_type = |ty: &str| self.structures.get(ty).into_iter().flatten().map(String::as_str);
+        let of_type = |ty: &str| self.structures.get(ty).into_iter().flatten().map(|(_, semantic)| semantic.as_str());
         let given = head.params.iter().filter(|param| param.way != Way::In);
         let given = given.flat_map(|param| param.semantic.as_deref().into_iter().chain(of_type(&param.ty)));
         let gives: Vec<&str> = head.semantic.as_deref().into_iter().chain(of_type(&head.result)).chain(given).collect();
@@ -345,9 +358,13 @@ impl<'a> Reader<'a> {
         if words().any(|word| TYPES.contains(&word)) && words().all(|word| word != "(") {
             let name = (first..brace).find(|&k| TYPES.contains(&self.word(k))).map(|k| self.word(k + 1));
             let follows = |k: usize| self.word(k) == ":" && self.is_name(k + 1);
-            let semantics = (brace..end).filter(|&k| follows(k)).map(|k| self.word(k + 1).to_ascii_uppercase());
-            let semantics = semantics.collect();
-            self.found.structures.insert(name.unwrap_or_default().to_owned(), semantics);
+            let member = |k: usize| {
+                let sized = (brace..k).rev().find(|&k| !matches!(self.word(k), "[" | "]") && self.word(k + 1) != "]");
+                let own = if self.word(k - 1) == "]" { sized.unwrap_or(k) } else { k - 1 };
+                (self.word(own).to_owned(), self.word(k + 1).to_ascii_uppercase())
+            };
+            let members = (brace..end).filter(|&k| follows(k)).map(member).collect();
+            self.found.structures.insert(name.unwrap_or_default().to_owned(), members);
             return true;
         }
         if let Some(k) = (first..brace).find(|&k| matches!(self.word(k), "cbuffer" | "tbuffer")) {
@@ -552,6 +569,19 @@ mod tests {
             (outline.functions[3].params[0].name.as_str(), outline.functions[3].params[0].ty.as_str()),
             ("x", "float")
         );
+    }
+
+    #[test]
+    fn outputs_are_named_by_their_semantics() {
+        let text = "struct V { float2 uv : TEXCOORD0; float4 p : SV_Position; float d[2] : SV_ClipDistance; };\n\
+                    V vs(out float s : PSIZE) { }\nfloat4 ps(out float z : SV_Depth) : SV_Target { }";
+        let outline = Outline::read(text);
+        assert_eq!(outline.output("vs", &["SV_POSITION"]), Some("p"));
+        assert_eq!(outline.output("vs", &["SV_CLIPDISTANCE"]), Some("d"));
+        assert_eq!(outline.output("vs", &["PSIZE"]), Some("s"));
+        assert_eq!(outline.output("ps", &["SV_DEPTH"]), Some("z"));
+        assert_eq!(outline.output("ps", &["SV_TARGET"]), Some("return"));
+        assert_eq!(outline.output("ps", &["SV_POSITION"]), None);
     }
 
     #[test]

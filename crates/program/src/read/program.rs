@@ -186,6 +186,7 @@ fn interface(module: &Module, role: &Role, ports: &mut Ports<'_>, span: Span) ->
     }
     found.inputs.append(&mut drawn);
     if let Some(result) = &function.result {
+        let (text, point) = (ports.text, module.entry_points[0].name.as_str());
         let mut out = |name: &str, ty, at| match shape_of(module, ty) {
             Some(shape) => {
                 found.outputs.push(Port { field: Field { name: name.to_owned(), shape }, ty, at, backing: None });
@@ -196,7 +197,8 @@ fn interface(module: &Module, role: &Role, ports: &mut Ports<'_>, span: Span) ->
             TypeInner::Struct { members, .. } if result.binding.is_none() => {
                 for (k, member) in (0_u32..).zip(members) {
                     let own = format!("member {}", k + 1);
-                    out(member.name.as_deref().unwrap_or(&own), member.ty, PortAt::ResultMember(k));
+                    let name = member.name.as_deref().or_else(|| text.output(point, member.binding.as_ref()));
+                    out(name.unwrap_or(&own), member.ty, PortAt::ResultMember(k));
                 }
             }
             _ => out("return", result.ty, PortAt::Result),
