@@ -10,7 +10,7 @@ use crate::binary::{root, run_in};
 
 fn fuzzed(folder: &str, name: &str, status: i32) -> Value {
     let command = format!("fuzz fixtures/kernels/{folder}/{name} --lane embedded --samples 16 --format json");
-    run_in(&root(), &command).expect(status).json()
+    run_in(root(), &command).expect(status).json()
 }
 
 /// Findings and warnings of dispatches: kind, severity, line.
@@ -88,7 +88,7 @@ fn every_kernel_has_its_twin() {
 
 #[test]
 fn a_race_is_told_with_both_places_and_what_the_host_did() {
-    let report = run_in(&root(), "fuzz fixtures/kernels/wrong/sum.wgsl --lane embedded").expect(1);
+    let report = run_in(root(), "fuzz fixtures/kernels/wrong/sum.wgsl --lane embedded").expect(1);
     for part in [
         "race on `part[16]`: invocation 0 reads it, and invocation 16 writes it at fixtures/kernels/wrong/sum.wgsl:21:13, with no barrier between",
         "at         fixtures/kernels/wrong/sum.wgsl:21:30: `part[local.x + half]`",

@@ -316,7 +316,7 @@ impl Host {
         match scalar {
             Scalar::F32 => {
                 let unit = stream.unit();
-                let value = if self.variant % 2 == 0 { 2.0 * unit - 1.0 } else { unit };
+                let value = if self.variant.is_multiple_of(2) { 2.0 * unit - 1.0 } else { unit };
                 (value as f32).to_bits()
             }
             Scalar::Bool => stream.below(2) as u32,
