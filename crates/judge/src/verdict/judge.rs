@@ -19,6 +19,23 @@ pub enum Verdict {
     Undetermined(Doubt),
 }
 
+impl Verdict {
+    /// Of two verdicts on a sample the one that weighs more. On later tiers the later one counts.
+    pub(super) fn worse(before: Option<Self>, verdict: Self, tier: usize) -> Self {
+        let weight = |verdict: &Self| match verdict {
+            Self::Agree(_) => 0,
+            Self::Undetermined(_) => 1,
+            Self::Deviate(_) => 2,
+        };
+        match before {
+            Some(before) if tier == 0 && weight(&before) >= weight(&verdict) => before,
+            // The formula has no value: that a lane is right says nothing.
+            Some(before @ Self::Undetermined(Doubt { reason: Reason::Domain, .. })) if weight(&verdict) < 2 => before,
+            Some(_) | None => verdict,
+        }
+    }
+}
+
 /// By which promise a lane's outputs are right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Promise {

@@ -117,7 +117,7 @@ impl<'a> SecondPass<'a> {
                         permitted.insert(k);
                     }
                     if !excused && (!measured || matches!(found, Verdict::Agree(_))) {
-                        verdicts[k] = Some(worse(verdicts[k].take(), found, tier));
+                        verdicts[k] = Some(Verdict::worse(verdicts[k].take(), found, tier));
                     }
                 }
             }
@@ -284,7 +284,7 @@ impl<'a> SecondPass<'a> {
                                 Verdict::Deviate(Deviation { blame: Blame::Shader, what })
                             }
                         };
-                        verdicts[slot] = Some(worse(verdicts[slot].take(), verdict, 0));
+                        verdicts[slot] = Some(Verdict::worse(verdicts[slot].take(), verdict, 0));
                     }
                 }
             }
@@ -402,7 +402,7 @@ impl<'a> SecondPass<'a> {
                             }
                         };
                         let before = std::mem::replace(&mut verdicts[slot], Verdict::Agree(*promise));
-                        verdicts[slot] = worse(Some(before), verdict, 0);
+                        verdicts[slot] = Verdict::worse(Some(before), verdict, 0);
                     }
                 }
             }
@@ -422,21 +422,6 @@ impl<'a> SecondPass<'a> {
 /// The word of a lane; the mark of what was never written where the vertex is not stored.
 fn found_word(actual: &Actual, invocation: usize, vertex: usize, word: usize) -> u32 {
     if vertex < actual.stored(invocation) { actual.vertex(invocation, vertex)[word] } else { POISON }
-}
-
-/// Of two verdicts on a sample the one that weighs more. On later tiers the later one counts.
-fn worse(before: Option<Verdict>, verdict: Verdict, tier: usize) -> Verdict {
-    let weight = |verdict: &Verdict| match verdict {
-        Verdict::Agree(_) => 0,
-        Verdict::Undetermined(_) => 1,
-        Verdict::Deviate(_) => 2,
-    };
-    match before {
-        Some(before) if tier == 0 && weight(&before) >= weight(&verdict) => before,
-        // The formula has no value: that a lane is right says nothing.
-        Some(before @ Verdict::Undetermined(Doubt { reason: Reason::Domain, .. })) if weight(&verdict) < 2 => before,
-        Some(_) | None => verdict,
-    }
 }
 
 /// What came of one word of one slot.
