@@ -28,7 +28,7 @@ fn told(report: &Value) -> Vec<(String, String, u64)> {
 }
 
 /// The wrong twins: the fault that each has, whether it fails the run, and a line that is named.
-const WRONG: [(&str, &str, bool, u64); 10] = [
+const WRONG: [(&str, &str, bool, u64); 13] = [
     // A barrier that is missing behind a step of the sum.
     ("sum.wgsl", "race", true, 21),
     // Elements behind the last one are not filled.
@@ -47,6 +47,12 @@ const WRONG: [(&str, &str, bool, u64); 10] = [
     ("product.comp", "race", true, 20),
     // Who has no element leaves before the barrier.
     ("reverse.wgsl", "divergence", true, 13),
+    // An index behind the end, after a wait that depends on what is in memory.
+    ("ticket.wgsl", "index", true, 27),
+    // One more than there are for each workgroup; a host may have room for it.
+    ("blocks.wgsl", "index", false, 9),
+    // The element before the first; its twin selects another value there.
+    ("select.wgsl", "index", true, 12),
     // Pairs overlap.
     ("sort.wgsl", "race", true, 18),
 ];

@@ -134,7 +134,7 @@ impl Dispatched {
         let mut reached: Vec<Vec<Option<u64>>> = vec![Vec::new(); self.executable.memories().len()];
         for items in sizes {
             let scenario = self.scenario(items, None, 0);
-            let outcome = self.play(&scenario);
+            let outcome = self.play(&scenario, 0);
             for (k, shape) in self.executable.memories().iter().enumerate() {
                 let outside = outcome.incidents.iter().any(|i| i.memory == Some(k as u32) && i.index.is_some());
                 let reach = shape.array.as_ref().filter(|_| !outside).map(|array| {
@@ -152,7 +152,11 @@ impl Dispatched {
             let Some(reached) = reached.into_iter().collect::<Option<Vec<u64>>>() else {
                 return Length::Unknown(ROOM as u64);
             };
-            let measures = [Measure::All, Measure::Along(0), Measure::Along(1), Measure::Groups, Measure::One];
+            // Where elements fill the workgroups, both grow alike: fewer than one for each element are some for each
+            // workgroup.
+            let few = (0..3).all(|n| reached[n] < Measure::All.of(sizes[n], groups[n]));
+            let first = if few { [Measure::Groups, Measure::All] } else { [Measure::All, Measure::Groups] };
+            let measures = [first[0], Measure::Along(0), Measure::Along(1), first[1], Measure::One];
             let at = |with: Measure, n: usize| with.of(sizes[n], groups[n]);
             let varies = |with: Measure| with == Measure::One || (0..3).any(|n| at(with, n) != at(with, 0));
             for with in measures.into_iter().filter(|with| varies(*with)) {
@@ -216,12 +220,14 @@ impl Dispatched {
         Scenario { groups, buffers, settings, surplus }
     }
 
-    pub(super) fn play(&self, scenario: &Scenario) -> Outcome {
+    /// Runs a scenario. Loads outside of an array give the bits of `outside`.
+    pub(super) fn play(&self, scenario: &Scenario, outside: u32) -> Outcome {
         self.executable.dispatch::<f32>(&Dispatch {
             size: self.size,
             groups: scenario.groups,
             buffers: &scenario.buffers,
             zeroed: self.zeroed,
+            outside,
             fuel: FUEL,
             work: WORK,
         })

@@ -1,6 +1,6 @@
 //! Plays scenarios and collects what went wrong.
 
-use program::interp::group::{Incident, Wrong};
+use program::interp::group::{Access, Incident, Outcome, Space, Wrong};
 use program::interp::{Finding as Hazard, HazardKind};
 
 use super::Dispatched;
@@ -11,6 +11,9 @@ use lanes::interrupt;
 /// Contents of buffers that are tried for each size.
 const VARIANTS: u64 = 2;
 
+/// Bits that loads outside of their arrays give the second time; as a number, 1.2e17.
+const OTHER: u32 = 0x5bd1_e995;
+
 /// Something that went wrong, with the first scenario that shows it.
 pub(super) struct Met {
     pub incident: Incident,
@@ -19,6 +22,8 @@ pub(super) struct Met {
     pub length: Option<Length>,
     /// Fewer invocations than have no element came upon it: others are kept away.
     pub guarded: bool,
+    /// A load whose value has no say in what buffers hold in the end.
+    pub harmless: bool,
 }
 
 /// Dispatches a stage in many sizes, and adds what is found to its report. `command` shows it again.
@@ -32,10 +37,11 @@ pub fn run(subject: &Dispatched, command: &str, report: &mut FunctionReport) {
                 break;
             }
             let scenario = subject.scenario(items, Some(&lengths), variant);
-            let outcome = subject.play(&scenario);
+            let outcome = subject.play(&scenario, 0);
             report.dispatches += 1;
+            let harmless = subject.zeroed && is_same_whatever_is_outside(subject, &scenario, &outcome);
             for incident in outcome.incidents {
-                note(&mut met, incident, &scenario, &lengths);
+                note(subject, &mut met, incident, (&scenario, harmless), &lengths);
             }
             for hazard in outcome.findings.into_iter().filter(|hazard| hazard.kind == HazardKind::Fuel) {
                 if endless.iter().all(|(own, _)| own.site != hazard.site) {
@@ -50,8 +56,27 @@ pub fn run(subject: &Dispatched, command: &str, report: &mut FunctionReport) {
     report.findings.sort_by_key(|finding| (finding.severity, finding.kind));
 }
 
-fn note(met: &mut Vec<Met>, incident: Incident, scenario: &Scenario, lengths: &[Length]) {
-    let unknown = |k: u32| matches!(lengths.get(k as usize), Some(Length::Unknown(_)));
+/// WGSL bounds loads: what they give outside matters where it gets into a buffer. `select` evaluates both of its values,
+/// so that `select(0u, sums[i - 1u], i > 0u)` is a load outside that has no say.
+fn is_same_whatever_is_outside(subject: &Dispatched, scenario: &Scenario, outcome: &Outcome) -> bool {
+    let outside = |incident: &Incident| incident.what == Wrong::Outside && incident.who.access == Access::Read;
+    if !outcome.incidents.iter().any(outside) {
+        return true;
+    }
+    let other = subject.play(scenario, OTHER);
+    let storage = |k: usize| matches!(subject.executable.memories()[k].space, Space::Storage { .. });
+    (0..outcome.contents.len()).filter(|&k| storage(k)).all(|k| outcome.contents[k].0 == other.contents[k].0)
+}
+
+fn note(
+    subject: &Dispatched,
+    met: &mut Vec<Met>,
+    incident: Incident,
+    (scenario, harmless): (&Scenario, bool),
+    lengths: &[Length],
+) {
+    let open = |k: u32| subject.executable.memories().get(k as usize).is_some_and(|shape| shape.array.is_some());
+    let unknown = |k: u32| open(k) && matches!(lengths.get(k as usize), Some(Length::Unknown(_)));
     // Of an array whose length nobody knows, no index is outside.
     if incident.what == Wrong::Outside && incident.memory.is_some_and(unknown) {
         return;
@@ -61,14 +86,18 @@ fn note(met: &mut Vec<Met>, incident: Incident, scenario: &Scenario, lengths: &[
         own.incident.what == incident.what
             && own.incident.memory == incident.memory
             && own.incident.who.site == incident.who.site
+            && own.incident.who.access == incident.who.access
             && other(&own.incident) == other(&incident)
     };
     match met.iter_mut().find(same) {
-        Some(own) => own.incident.count += incident.count,
+        Some(own) => {
+            own.incident.count += incident.count;
+            own.harmless &= harmless;
+        }
         None => {
             let length = incident.memory.and_then(|k| lengths.get(k as usize).copied());
             let guarded = incident.count < scenario.surplus;
-            met.push(Met { incident, scenario: scenario.clone(), length, guarded });
+            met.push(Met { incident, scenario: scenario.clone(), length, guarded, harmless });
         }
     }
 }

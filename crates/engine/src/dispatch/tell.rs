@@ -72,6 +72,9 @@ impl Dispatched {
     /// An index outside of an array: whose length is fixed, or asked for, or guessed.
     fn severity_outside(&self, met: &Met, shape: Option<&MemoryShape>, certain: bool, by_contents: bool) -> Severity {
         let incident = &met.incident;
+        if met.harmless && incident.who.access == Access::Read {
+            return Severity::Note;
+        }
         let asked = incident.memory.is_some_and(|memory| self.uses.lengths.contains(&memory));
         let open = shape.is_some_and(|shape| shape.array.is_some()) && met.length.is_some();
         let led = !self.depends.leads(incident.who.site).is_empty();

@@ -57,7 +57,7 @@ where
     }
 
     fn one(&mut self, access: &MemoryAccess, k: usize, slot: usize, place: Option<usize>) {
-        // Robust access: what is outside reads as 0 and is not written (WGSL, 7.6.1 leaves more choice).
+        // What is outside reads as the dispatch says, and is not written.
         match &access.op {
             MemoryOp::Load(parts) => {
                 for (to, at) in parts {
@@ -117,11 +117,12 @@ where
         let machine = &mut self.machines[k];
         match to.file() {
             File::Real => {
-                let value = word.map_or(N::ZERO, |word| contents.real(word));
+                let outside = || N::nearest(f64::from(f32::from_bits(self.dispatch.outside)));
+                let value = word.map_or_else(outside, |word| contents.real(word));
                 machine.reals[to.reg as usize].values_mut()[slot] = value;
             }
             File::Word => {
-                let bits = word.map_or(0, |word| contents.bits(word));
+                let bits = word.map_or(self.dispatch.outside, |word| contents.bits(word));
                 machine.words[to.reg as usize][slot] =
                     if to.scalar == Scalar::Bool { u32::from(bits != 0) } else { bits };
             }

@@ -284,8 +284,15 @@ fn any(body: &[Inst], is: &dyn Fn(&Inst) -> bool) -> bool {
     })
 }
 
+/// True for a block that some invocations leave before its end. What leaves a loop or a choice inside of it does not.
 fn leaves(body: &[Inst]) -> bool {
-    any(body, &|inst| matches!(inst, Inst::Break | Inst::Continue | Inst::Return | Inst::Kill))
+    body.iter().any(|inst| match inst {
+        Inst::Break | Inst::Continue | Inst::Return | Inst::Kill => true,
+        Inst::If { accept, reject, .. } => leaves(accept) || leaves(reject),
+        Inst::Switch { cases, .. } => cases.iter().any(|case| continues(&case.body)),
+        Inst::Loop { body, .. } => returns(body),
+        _ => false,
+    })
 }
 
 fn returns(body: &[Inst]) -> bool {

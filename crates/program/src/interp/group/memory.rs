@@ -161,6 +161,7 @@ impl Log {
             own.what == incident.what
                 && own.memory == incident.memory
                 && own.who.site == incident.who.site
+                && own.who.access == incident.who.access
                 && own.other.map(|other| other.site) == incident.other.map(|other| other.site)
         };
         match self.incidents.iter_mut().find(|own| same(own)) {

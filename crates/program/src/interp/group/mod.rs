@@ -45,6 +45,8 @@ pub struct Dispatch<'b> {
     pub buffers: &'b [Buffer],
     /// The memory of a workgroup begins with zeros (WGSL, 7.2), or with anything.
     pub zeroed: bool,
+    /// What a load outside of its array gives: any bits (WGSL, 7.6.1).
+    pub outside: u32,
     /// Rounds of loops that one invocation may go through.
     pub fuel: u32,
     /// Rounds of loops that all invocations together may go through.

@@ -45,6 +45,7 @@ fn run(text: &str, words: u32, zeroed: bool) -> Outcome {
         groups: [2, 1, 1],
         buffers: &buffers,
         zeroed,
+        outside: 0,
         fuel: 1000,
         work: 100_000,
     })
