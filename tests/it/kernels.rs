@@ -105,3 +105,36 @@ fn a_race_is_told_with_both_places_and_what_the_host_did() {
         assert!(report.out.contains(part), "{part}\n{}", report.out);
     }
 }
+
+#[test]
+fn what_is_not_judged_is_told() {
+    let head = "@group(0) @binding(0) var<storage, read_write> a: array<u32>;\n\
+                @group(0) @binding(1) var<storage, read> b: array<u32>;\n";
+    let id = "@builtin(global_invocation_id) id: vec3u";
+    for (size, body, flag, told) in [
+        (
+            256,
+            "if (id.x >= arrayLength(&a)) { return; } for (var i = 0u; i < 16000u; i++) { a[id.x] ^= i; }",
+            "",
+            "went on for too long and were cut off: the rest of them is not judged",
+        ),
+        (
+            64,
+            "if (id.x < arrayLength(&b)) { a[b[id.x] * b[id.x]] = 1u; }",
+            "--notes",
+            "no index into `a` is judged: no rule was found for its length",
+        ),
+        (
+            4096,
+            "if (id.x < arrayLength(&a)) { a[id.x] = 1u; }",
+            "",
+            "a workgroup of 4096 invocations; 2048 at most are run",
+        ),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let text = format!("{head}@compute @workgroup_size({size}) fn main({id}) {{ {body} }}\n");
+        fs::write(folder.path().join("a.wgsl"), &text).unwrap();
+        let ran = run_in(folder.path(), &format!("fuzz a.wgsl --lane embedded --samples 16 {flag}"));
+        assert!(ran.out.contains(told), "{told}\n{text}\n{}{}", ran.out, ran.err);
+    }
+}

@@ -3,6 +3,7 @@
 use program::interp::group::{Buffer, Dispatch, Leaf, MemoryShape, Outcome, Space};
 
 use super::Dispatched;
+use crate::guess::words_of;
 use base::value::Scalar;
 use property::Stream;
 
@@ -269,7 +270,7 @@ impl Host {
     /// A whole number of a uniform, by its name.
     fn count(&self, name: &str, component: Option<u32>) -> u32 {
         let name = name.rsplit('.').next().unwrap_or(name).trim_end_matches("[]");
-        let words = words(name);
+        let words = words_of(name);
         let is = |any: &[&str]| words.iter().any(|word| any.contains(&word.as_str()));
         let all: u32 = self.items.iter().product();
         let many = self.items.iter().filter(|&&n| n > 1).count() > 1;
@@ -327,32 +328,11 @@ impl Host {
             }
             Scalar::Bool => stream.below(2) as u32,
             Scalar::I32 | Scalar::U32 => {
-                let words = words(name);
+                let words = words_of(name);
                 let is = |any: &[&str]| words.iter().any(|word| any.contains(&word.as_str()));
                 let most = if is(&["flags", "flag", "mask", "level", "kind", "type", "tag"]) { 4 } else { all.max(1) };
                 stream.below(most as usize) as u32
             }
         }
     }
-}
-
-/// The words of a name, in lower case: `numItems`, `num_items`.
-fn words(name: &str) -> Vec<String> {
-    let mut all: Vec<String> = Vec::new();
-    let mut before = '_';
-    for c in name.chars() {
-        if !c.is_alphanumeric() {
-            before = '_';
-            continue;
-        }
-        let begins = before == '_' || (c.is_uppercase() && before.is_lowercase());
-        if begins || all.is_empty() {
-            all.push(String::new());
-        }
-        if let Some(word) = all.last_mut() {
-            word.extend(c.to_lowercase());
-        }
-        before = c;
-    }
-    all
 }

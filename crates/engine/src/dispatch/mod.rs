@@ -19,6 +19,9 @@ use program::{Program, Written};
 
 pub use run::run;
 
+/// Invocations of the largest workgroup that is run; devices have 1,024 at most, or a few more.
+const LARGEST: u64 = 1 << 11;
+
 /// A compute stage that can be dispatched.
 pub struct Dispatched {
     /// The stage as its author wrote it.
@@ -44,6 +47,11 @@ impl Dispatched {
     /// What cannot be interpreted, with its place.
     pub fn new(program: &Program) -> Option<Result<Self, String>> {
         let size = program.workgroup_size()?;
+        let invocations: u64 = size.iter().map(|&n| u64::from(n)).product();
+        if invocations == 0 || invocations > LARGEST {
+            let at = program.file.name();
+            return Some(Err(format!("{at}: a workgroup of {invocations} invocations; {LARGEST} at most are run")));
+        }
         let executable = match interp::compile_dispatch(program) {
             Ok(executable) => executable,
             Err(error) => return Some(Err(error.locate(program))),

@@ -31,6 +31,8 @@ pub fn run(subject: &Dispatched, command: &str, report: &mut FunctionReport) {
     let lengths = subject.lengths();
     let mut met: Vec<Met> = Vec::new();
     let mut endless: Vec<(Hazard, Scenario)> = Vec::new();
+    let mut cut_off: Option<(u64, Scenario)> = None;
+    let mut unknown: Option<Finding> = None;
     for items in subject.sizes() {
         for variant in 0..VARIANTS {
             if interrupt::asked() {
@@ -39,6 +41,10 @@ pub fn run(subject: &Dispatched, command: &str, report: &mut FunctionReport) {
             let scenario = subject.scenario(items, Some(&lengths), variant);
             let outcome = subject.play(&scenario, 0);
             report.dispatches += 1;
+            if !outcome.whole && !interrupt::asked() {
+                cut_off.get_or_insert_with(|| (0, scenario.clone())).0 += 1;
+            }
+            unknown = unknown.or_else(|| subject.told_unknown(&lengths, &scenario, command));
             let harmless = subject.zeroed && is_same_whatever_is_outside(subject, &scenario, &outcome);
             for incident in outcome.incidents {
                 note(subject, &mut met, incident, (&scenario, harmless), &lengths);
@@ -52,6 +58,8 @@ pub fn run(subject: &Dispatched, command: &str, report: &mut FunctionReport) {
     }
     let mut found: Vec<Finding> = met.iter().map(|met| subject.told(met, command)).collect();
     found.extend(endless.iter().map(|(hazard, scenario)| subject.told_endless(hazard, scenario, command)));
+    found.extend(cut_off.map(|(count, scenario)| subject.told_cut_off(count, &scenario, command)));
+    found.extend(unknown);
     report.findings.extend(found);
     report.findings.sort_by_key(|finding| (finding.severity, finding.kind));
 }
@@ -65,7 +73,7 @@ fn is_same_whatever_is_outside(subject: &Dispatched, scenario: &Scenario, outcom
     }
     let other = subject.play(scenario, OTHER);
     let storage = |k: usize| matches!(subject.executable.memories()[k].space, Space::Storage { .. });
-    (0..outcome.contents.len()).filter(|&k| storage(k)).all(|k| outcome.contents[k].0 == other.contents[k].0)
+    (0..outcome.contents.len()).filter(|&k| storage(k)).all(|k| outcome.contents[k] == other.contents[k])
 }
 
 fn note(
@@ -81,15 +89,7 @@ fn note(
     if incident.what == Wrong::Outside && incident.memory.is_some_and(unknown) {
         return;
     }
-    let other = |incident: &Incident| incident.other.map(|party| party.site);
-    let same = |own: &&mut Met| {
-        own.incident.what == incident.what
-            && own.incident.memory == incident.memory
-            && own.incident.who.site == incident.who.site
-            && own.incident.who.access == incident.who.access
-            && other(&own.incident) == other(&incident)
-    };
-    match met.iter_mut().find(same) {
+    match met.iter_mut().find(|own| own.incident.is_same(&incident)) {
         Some(own) => {
             own.incident.count += incident.count;
             own.harmless &= harmless;

@@ -1,14 +1,13 @@
 //! What went wrong in a dispatch, in words.
 
-use program::interp::group::{Access, MemoryShape, Party, Sources, Space, Wrong};
-use program::interp::{Finding as Hazard, Site, author_span};
+use program::interp::group::{Access, MemoryShape, Party, Sources, Space, Wrong, apart};
+use program::interp::{Finding as Hazard, Site};
 
 use super::Dispatched;
 use super::host::{Length, Scenario};
 use super::run::Met;
 use crate::InputValue;
-use crate::fuzz::{Finding, FuzzFindingKind, Part, Severity, WORKGROUPS};
-use judge::verdict::diagnosis::Place;
+use crate::fuzz::{Finding, FuzzFindingKind, Part, Severity, WORKGROUPS, place};
 
 impl Dispatched {
     /// An incident as a finding.
@@ -28,7 +27,7 @@ impl Dispatched {
         };
         let severity = self.severity(met, shape, sources);
         let message = self.message(met, shape);
-        self.finding(kind, severity, message, incident.who.site, (incident.count, &met.scenario), command)
+        self.finding(kind, severity, message, Some(incident.who.site), (incident.count, &met.scenario), command)
     }
 
     /// A loop that went on for too long.
@@ -37,7 +36,24 @@ impl Dispatched {
         let severity = if sources.is_empty() { Severity::Warning } else { Severity::Note };
         let message = "this loop does not end in reasonable time".to_owned();
         let kind = FuzzFindingKind::Endless;
-        self.finding(kind, severity, message, hazard.site, (hazard.count, scenario), command)
+        self.finding(kind, severity, message, Some(hazard.site), (hazard.count, scenario), command)
+    }
+
+    /// Dispatches that were cut off: what they would have done behind that is not known.
+    pub(super) fn told_cut_off(&self, count: u64, scenario: &Scenario, command: &str) -> Finding {
+        let message =
+            format!("{count} dispatches went on for too long and were cut off: the rest of them is not judged");
+        self.finding(FuzzFindingKind::Endless, Severity::Warning, message, None, (count, scenario), command)
+    }
+
+    /// Arrays of which no index is called outside, since nothing says how long they are.
+    pub(super) fn told_unknown(&self, lengths: &[Length], scenario: &Scenario, command: &str) -> Option<Finding> {
+        let memories = self.executable.memories().iter().zip(lengths);
+        let unknown = memories.filter(|(shape, length)| shape.array.is_some() && matches!(length, Length::Unknown(_)));
+        let names: Vec<String> = unknown.map(|(shape, _)| format!("`{}`", shape.name)).collect();
+        let message = format!("no index into {} is judged: no rule was found for its length", names.join(", "));
+        let kind = FuzzFindingKind::Index;
+        (!names.is_empty()).then(|| self.finding(kind, Severity::Note, message, None, (0, scenario), command))
     }
 
     /// How bad it is: what depends on the numbers of invocations alone holds whatever a host does.
@@ -133,7 +149,6 @@ impl Dispatched {
 
     /// The author's words for an invocation.
     fn invocation(&self, party: Party, groups: [u32; 3]) -> String {
-        let apart = |n: u32, of: [u32; 3]| [n % of[0], n / of[0] % of[1], n / of[0] / of[1]];
         let shown = |all: [u32; 3], of: [u32; 3]| match of {
             [_, 1, 1] => all[0].to_string(),
             [_, _, 1] => format!("({}, {})", all[0], all[1]),
@@ -147,11 +162,7 @@ impl Dispatched {
     }
 
     fn at(&self, site: Site) -> String {
-        let span = author_span(&self.program, &self.executable.place(site));
-        span.map_or_else(String::new, |span| {
-            let at = Place::of(&self.program.file, span).at;
-            format!(" at {at}")
-        })
+        place(&self.program, &self.executable, Some(site)).map_or_else(String::new, |place| format!(" at {}", place.at))
     }
 
     fn finding(
@@ -159,23 +170,17 @@ impl Dispatched {
         kind: FuzzFindingKind,
         severity: Severity,
         message: String,
-        site: Site,
+        site: Option<Site>,
         (count, scenario): (u64, &Scenario),
         command: &str,
     ) -> Finding {
-        let span = author_span(&self.program, &self.executable.place(site));
-        let place = span.map(|span| {
-            let place = Place::of(&self.program.file, span);
-            let text = place.text.split_whitespace().collect::<Vec<_>>().join(" ");
-            Place { text, ..place }
-        });
         Finding {
             kind,
             severity,
             part: Part::Realistic,
             cause: None,
             message,
-            place,
+            place: place(&self.program, &self.executable, site),
             lane: None,
             count,
             counting: count,

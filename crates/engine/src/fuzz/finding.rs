@@ -257,6 +257,9 @@ pub struct FunctionReport {
     /// Dispatches of a compute stage, with several workgroups and buffers of several sizes.
     #[serde(default)]
     pub dispatches: u64,
+    /// Why a compute stage was not dispatched.
+    #[serde(default)]
+    pub not_dispatched: Option<String>,
     /// Why it was not run.
     pub not_run: Option<String>,
     /// Each input, type and name, with what is stated of it.

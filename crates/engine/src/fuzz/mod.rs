@@ -28,6 +28,7 @@ pub use finding::{Finding, FunctionReport, FuzzFindingKind, LaneReport, Part, Se
 pub use generate::batch;
 pub use hint::{FORMS, option};
 pub use modules::subjects_of_module;
+pub(crate) use name::place;
 pub use run::{Request, given, run, stream_key};
 pub use scan::{LIMIT, ROUNDS, Trouble};
 pub use subject::{BadHint, Ready, Subject, subjects};

@@ -10,7 +10,8 @@ use judge::profile::{Op, Profile, Promises};
 use judge::tape::{Model, Tape};
 use judge::verdict::diagnosis::Place;
 use lanes::{Api, Stage, interrupt};
-use program::interp::{Binary32, Binary64, Dependence, Machine, OutputColumn, SLOTS, Site, author_span};
+use program::Program;
+use program::interp::{Binary32, Binary64, Dependence, Executable, Machine, OutputColumn, SLOTS, Site, author_span};
 
 use super::finding::FuzzFindingKind;
 
@@ -291,9 +292,9 @@ pub fn decimal(x: f64) -> String {
 }
 
 /// Where a site stands in the author's files, and the text there; none in generated text.
-pub fn place(ready: &Ready, site: Option<Site>) -> Option<Place> {
-    let span = author_span(&ready.program, &ready.executable.place(site?))?;
-    let file = &ready.program.file;
+pub fn place(program: &Program, executable: &Executable, site: Option<Site>) -> Option<Place> {
+    let span = author_span(program, &executable.place(site?))?;
+    let file = &program.file;
     let (origin, there) = file.origin(span);
     if there.is_empty() {
         return None;

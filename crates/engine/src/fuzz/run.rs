@@ -114,6 +114,7 @@ pub fn run(
         hostile: 0,
         edges: 0,
         dispatches: 0,
+        not_dispatched: None,
         not_run: None,
         inputs: Vec::new(),
         taken_for: Vec::new(),
@@ -127,13 +128,13 @@ pub fn run(
         let function = word_of(&subject.label);
         dispatch::run(dispatched, &format!("{} --function {function}", request.command), &mut report);
     }
+    report.not_dispatched = subject.dispatch.as_ref().and_then(|dispatched| dispatched.as_ref().err()).cloned();
     let ready = match &subject.ready {
         Ok(ready) => ready,
         // What its invocations do together was run.
         Err(_) if report.dispatches > 0 => return Ok(report),
         Err(why) => {
-            let dispatched = subject.dispatch.as_ref().and_then(|dispatched| dispatched.as_ref().err());
-            report.not_run = Some(dispatched.unwrap_or(why).clone());
+            report.not_run = Some(report.not_dispatched.take().unwrap_or_else(|| why.clone()));
             return Ok(report);
         }
     };
@@ -445,7 +446,7 @@ fn finding(
         part: looked.part(group.standing),
         cause: Some(cause(named)),
         message: message(named, &shown),
-        place: place(ready, named.site),
+        place: place(&ready.program, &ready.executable, named.site),
         lane: None,
         count: group.count,
         counting: group.counting,

@@ -194,7 +194,7 @@ pub(super) fn candidates(name: &str) -> Vec<Guess> {
 }
 
 /// The words of a name in small letters: `u_LightDir` is `u`, `light`, `dir`.
-pub(super) fn of(name: &str) -> Vec<String> {
+pub(crate) fn of(name: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     let mut lower = false;
     for c in name.chars() {

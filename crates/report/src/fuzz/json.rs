@@ -44,6 +44,7 @@ struct Function<'a> {
     hostile: u64,
     edges: u64,
     dispatches: u64,
+    not_dispatched: Option<&'a str>,
     not_run: Option<&'a str>,
     inputs: Vec<Domain<'a>>,
     textures: &'a [String],
@@ -156,6 +157,7 @@ fn function(report: &FunctionReport) -> Function<'_> {
         hostile: report.hostile,
         edges: report.edges,
         dispatches: report.dispatches,
+        not_dispatched: report.not_dispatched.as_deref(),
         not_run: report.not_run.as_deref(),
         inputs: report
             .inputs

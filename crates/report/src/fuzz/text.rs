@@ -102,6 +102,9 @@ pub fn findings(file: &FileReport, notes: bool, color: bool) -> String {
         if shown && !function.textures.is_empty() {
             let _ = writeln!(text, "\nnote: textures of {}: {}", function.function, function.textures.join("; "));
         }
+        if let Some(why) = &function.not_dispatched {
+            let _ = writeln!(text, "\nnote: {} is not dispatched: {why}", function.function);
+        }
         if !function.first_of_dispatch.is_empty() {
             let zeros = function.first_of_dispatch.join("`, `");
             let _ = writeln!(

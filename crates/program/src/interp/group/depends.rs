@@ -52,19 +52,13 @@ impl Depends {
     }
 }
 
-/// Memories that are asked for their length, or used by a program at all.
+/// Memories that are asked for their length, or counted in.
 #[derive(Clone, Debug, Default)]
 pub struct Uses {
     /// Memories whose length the program reads.
     pub lengths: HashSet<u32>,
-    /// Memories that are read, and that are written.
-    pub reads: HashSet<u32>,
-    /// See `reads`.
-    pub writes: HashSet<u32>,
     /// Memories on which atomic functions are used.
     pub atomics: HashSet<u32>,
-    /// True for a program with a barrier.
-    pub waits: bool,
 }
 
 #[derive(Default)]
@@ -99,17 +93,8 @@ impl Executable {
             Inst::Length { memory, .. } => {
                 uses.lengths.insert(*memory);
             }
-            Inst::Barrier { .. } => uses.waits = true,
-            Inst::Memory(MemoryAccess { memory, op, atomic, .. }) => {
-                if *atomic {
-                    uses.atomics.insert(*memory);
-                }
-                if !matches!(op, MemoryOp::Store(_)) {
-                    uses.reads.insert(*memory);
-                }
-                if !matches!(op, MemoryOp::Load(_)) {
-                    uses.writes.insert(*memory);
-                }
+            Inst::Memory(MemoryAccess { memory, atomic: true, .. }) => {
+                uses.atomics.insert(*memory);
             }
             _ => {}
         });

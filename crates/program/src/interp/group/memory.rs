@@ -64,6 +64,17 @@ pub struct Incident {
     pub count: u64,
 }
 
+impl Incident {
+    /// True for the same fault of the same places, whoever came upon it.
+    pub fn is_same(&self, other: &Self) -> bool {
+        let theirs = |incident: &Self| incident.other.map(|party| party.site);
+        self.what == other.what
+            && self.memory == other.memory
+            && (self.who.site, self.who.access) == (other.who.site, other.who.access)
+            && theirs(self) == theirs(other)
+    }
+}
+
 /// Who touched a word last.
 #[derive(Clone, Copy)]
 struct Touched {
@@ -139,9 +150,8 @@ impl<N: Number> Contents<N> {
         self.written[word] = true;
     }
 
-    /// The words, and the numbers that they stand for where they are numbers.
-    pub(super) fn into_words(self) -> (Vec<u32>, Vec<f64>) {
-        (self.bits, self.reals.into_iter().map(N::widen).collect())
+    pub(super) fn into_words(self) -> Vec<u32> {
+        self.bits
     }
 }
 
@@ -157,14 +167,7 @@ pub(super) struct Log {
 
 impl Log {
     pub(super) fn report(&mut self, incident: Incident) {
-        let same = |own: &Incident| {
-            own.what == incident.what
-                && own.memory == incident.memory
-                && own.who.site == incident.who.site
-                && own.who.access == incident.who.access
-                && own.other.map(|other| other.site) == incident.other.map(|other| other.site)
-        };
-        match self.incidents.iter_mut().find(|own| same(own)) {
+        match self.incidents.iter_mut().find(|own| own.is_same(&incident)) {
             Some(own) => own.count += incident.count,
             None => self.incidents.push(incident),
         }

@@ -53,6 +53,11 @@ pub struct Dispatch<'b> {
     pub work: u64,
 }
 
+/// The places along x, y and z of what is counted along x first.
+pub fn apart(n: u32, of: [u32; 3]) -> [u32; 3] {
+    [n % of[0], n / of[0] % of[1], n / of[0] / of[1]]
+}
+
 /// What a host fills.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Buffer {
@@ -65,8 +70,8 @@ pub struct Buffer {
 /// What a dispatch did.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// Words of each memory behind it, and the same as numbers of the domain.
-    pub contents: Vec<(Vec<u32>, Vec<f64>)>,
+    /// Words of each memory behind it.
+    pub contents: Vec<Vec<u32>>,
     /// Words of each memory up to the last one that was touched.
     pub reach: Vec<usize>,
     /// What is wrong with how memory is used, one for each place.
@@ -183,7 +188,6 @@ where
     /// Gives the arguments of the entry point their values.
     fn fill_numbers(&mut self) {
         let (size, groups) = (self.dispatch.size, self.dispatch.groups);
-        let apart = |n: u32, of: [u32; 3]| [n % of[0], n / of[0] % of[1], n / of[0] / of[1]];
         let group = apart(self.number, groups);
         for (k, machine) in self.machines.iter_mut().enumerate() {
             machine.invocations = std::array::from_fn(|slot| slot);

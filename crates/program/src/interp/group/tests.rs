@@ -128,9 +128,9 @@ fn invocations_of_all_workgroups_see_one_memory() {
     );
     let outcome = run(&text, 400, true);
     assert_eq!(outcome.incidents, []);
-    assert_eq!(outcome.contents[0].0[..3], [199, 198, 197]);
-    assert_eq!(outcome.contents[0].0[200], 399);
-    assert_eq!(outcome.contents[1].0, [400]);
+    assert_eq!(outcome.contents[0][..3], [199, 198, 197]);
+    assert_eq!(outcome.contents[0][200], 399);
+    assert_eq!(outcome.contents[1], [400]);
 }
 
 #[test]
