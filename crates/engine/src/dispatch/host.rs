@@ -12,6 +12,8 @@ const FUEL: u32 = 1 << 14;
 const WORK: u64 = 1 << 22;
 /// Words of a buffer while its length is sought.
 const ROOM: usize = 1 << 16;
+/// How many times more workgroups than elements fill are tried.
+const WIDE: u32 = 16;
 
 /// A dispatch with everything that a host gives it.
 #[derive(Clone, Debug)]
@@ -136,16 +138,14 @@ impl Dispatched {
         for items in sizes {
             let scenario = self.scenario(items, None, 0);
             let outcome = self.play(&scenario, 0);
-            for (k, shape) in self.executable.memories().iter().enumerate() {
-                let outside = outcome.incidents.iter().any(|i| i.memory == Some(k as u32) && i.index.is_some());
-                let reach = shape.array.as_ref().filter(|_| !outside).map(|array| {
-                    (outcome.reach[k] as u64).saturating_sub(u64::from(array.offset)).div_ceil(u64::from(array.stride))
-                });
-                reached[k].push(reach);
-            }
+            reached.iter_mut().zip(self.reached(&outcome)).for_each(|(all, one)| all.push(one));
         }
         let groups = sizes.map(|items| self.groups(items));
+        let several = self.several(sizes, &reached);
         let one = |(k, reached): (usize, Vec<Option<u64>>)| {
+            if let Some(times) = several[k] {
+                return Length::Grows { with: Measure::All, times: (times, 1), plus: 0 };
+            }
             // Who asks for the length makes do with any.
             if self.uses.lengths.contains(&(k as u32)) {
                 return Length::Grows { with: Measure::All, times: (1, 1), plus: 0 };
@@ -174,6 +174,49 @@ impl Dispatched {
             Length::Unknown(reached.into_iter().max().unwrap_or(1).max(1))
         };
         reached.into_iter().enumerate().map(one).collect()
+    }
+
+    /// Of each array, how many elements there are for one of the dispatch, where a guard in the shader says so and several
+    /// dispatches, or a longer one, are to reach them: `if (i < 9 * count)`. More workgroups than the elements fill reach
+    /// farther there, up to the guard.
+    fn several(&self, sizes: [[u32; 3]; 3], reached: &[Vec<Option<u64>>]) -> Vec<Option<u64>> {
+        let mut found = vec![None; reached.len()];
+        if self.alone || self.axes.is_empty() {
+            return found;
+        }
+        let wide = |items: [u32; 3], times: u32| {
+            let mut scenario = self.scenario(items, None, 0);
+            scenario.groups[self.axes[0]] *= times;
+            self.reached(&self.play(&scenario, 0))
+        };
+        let first = wide(sizes[0], WIDE);
+        let grows = |k: usize| first[k].zip(reached[k][0]).is_some_and(|(wide, own)| wide > own);
+        if !(0..reached.len()).any(grows) {
+            return found;
+        }
+        // What grows with the workgroups has no guard.
+        let wider = wide(sizes[0], WIDE + 1);
+        let all = [&first, &wide(sizes[1], WIDE), &wide(sizes[2], WIDE)];
+        for k in (0..reached.len()).filter(|&k| grows(k) && wider[k] == first[k]) {
+            let parts = |n: usize| {
+                let items: u64 = sizes[n].iter().map(|&n| u64::from(n)).product();
+                all[n][k].map(|reach| (reach / items, reach % items))
+            };
+            // One more than a multiple is a guard that is off by one.
+            let whole = parts(0).filter(|&(times, rest)| times > 1 && rest <= 1);
+            found[k] = whole.filter(|_| (1..3).all(|n| parts(n) == whole)).map(|(times, _)| times);
+        }
+        found
+    }
+
+    /// Of each array, the elements up to the last one that was touched; `None` where an index was outside.
+    fn reached(&self, outcome: &Outcome) -> Vec<Option<u64>> {
+        let one = |(k, shape): (usize, &MemoryShape)| {
+            let outside = outcome.incidents.iter().any(|i| i.memory == Some(k as u32) && i.index.is_some());
+            let array = shape.array.as_ref().filter(|_| !outside)?;
+            Some((outcome.reach[k] as u64).saturating_sub(u64::from(array.offset)).div_ceil(u64::from(array.stride)))
+        };
+        self.executable.memories().iter().enumerate().map(one).collect()
     }
 
     /// What a host does for so many elements. Without lengths, arrays are longer than they need to be.

@@ -217,6 +217,8 @@ mod tests {
             ("NdotL", Shape::FLOAT, "interval", "a cosine"),
             ("gl_Position", Shape::VEC4.array_of(3), "point", "a point"),
             ("count", Shape::INT, "index", "a small whole number"),
+            ("params.resolution", Shape::INT, "index", "a number of pixels"),
+            ("params.resolution", Shape::VEC2, "interval", "a number of pixels"),
             ("useFog", Shape::vector(Scalar::Bool, 1), "index", "a switch"),
             ("x", Shape::FLOAT, "interval", "any number"),
         ] {
@@ -242,7 +244,7 @@ mod tests {
     #[test]
     fn every_guess_is_a_generator_with_a_range_that_it_takes() {
         for guess in words::all() {
-            let fits = [Shape::FLOAT, Shape::VEC4, Shape::MAT4].into_iter().any(|shape| fits(guess, shape));
+            let fits = [Shape::FLOAT, Shape::VEC4, Shape::MAT4, Shape::INT].into_iter().any(|shape| fits(guess, shape));
             assert!(fits, "{guess:?}");
         }
     }

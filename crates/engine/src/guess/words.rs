@@ -8,6 +8,7 @@ pub(super) const TIME: &str = "a time";
 pub(super) const SHARE: &str = "a share";
 pub(super) const SIZE: &str = "a size";
 pub(super) const ANGLE: &str = "an angle";
+const PIXELS: &str = "a number of pixels";
 
 const DIRECTION: Guess = guess("direction", None, "a direction");
 
@@ -96,8 +97,10 @@ const WORDS: &[(&[&str], Guess)] = &[
     (&["far", "zfar", "end", "maxdist"], guess("interval", Some([4.0, 64.0]), "a far distance")),
     (
         &["resolution", "viewport", "screensize", "windowsize", "dimensions"],
-        guess("interval", Some([64.0, 2048.0]), "a number of pixels"),
+        guess("interval", Some([64.0, 2048.0]), PIXELS),
     ),
+    // The same as a whole number.
+    (&["resolution", "viewport", "screensize", "windowsize"], guess("index", Some([64.0, 2048.0]), PIXELS)),
     (&["texel", "texelsize", "pixelsize"], guess("interval", Some([0.000_5, 0.02]), "the size of a texel")),
     (&["ior", "eta"], guess("interval", Some([1.0, 2.5]), "a refractive index")),
     (&["gamma"], guess("interval", Some([1.5, 3.0]), "an exponent of a display")),

@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use naga::BuiltIn;
 
-use super::super::code::{Executable, File, Inst, Reg, Touch};
+use super::super::code::{Constant, Executable, File, Inst, Reg, Touch};
 use super::super::domain::Site;
 use super::access::{MemoryAccess, MemoryOp, Step};
 use super::shape::Space;
@@ -101,7 +101,8 @@ impl Executable {
         uses
     }
 
-    /// Whether the program asks for the place of an invocation in its workgroup along an axis.
+    /// Whether the program asks for the place of an invocation in its workgroup along an axis. Whether it is a certain one,
+    /// as in `if (id.y == 0)`, is not asked for the place.
     pub fn reads_local(&self, axis: usize) -> bool {
         self.reads_numbers(&[BuiltIn::LocalInvocationId], axis)
     }
@@ -117,12 +118,17 @@ impl Executable {
         if registers.is_empty() {
             return false;
         }
+        let constants = self.constants.iter().filter_map(|constant| match constant {
+            Constant::Word { to, .. } => Some(*to),
+            Constant::Real { .. } => None,
+        });
+        let constants: HashSet<Reg> = constants.collect();
         let mut body = self.draft.body.clone();
         let mut held = registers;
         // A front end may copy all components of a number into a variable: what matters is who reads that.
         loop {
             let before = held.len();
-            if reads(&mut body, &mut held) {
+            if reads(&mut body, &mut held, &constants) {
                 return true;
             }
             if held.len() == before {
@@ -132,9 +138,16 @@ impl Executable {
     }
 }
 
-/// True for a body that does more with one of these registers than to copy it; where it goes to is added to them.
-fn reads(body: &mut [Inst], held: &mut HashSet<Reg>) -> bool {
+/// True for a body that does more with one of these registers than to copy it or compare it with a constant; where it goes
+/// to is added to them.
+fn reads(body: &mut [Inst], held: &mut HashSet<Reg>, constants: &HashSet<Reg>) -> bool {
     body.iter_mut().any(|inst| {
+        if let Inst::Word2 { op, a, b, .. } = inst
+            && op.question().is_some()
+            && (constants.contains(a) || constants.contains(b))
+        {
+            return false;
+        }
         if let Inst::Copy { to, from } | Inst::Store { to, from } = inst {
             if to.file() == File::Word && held.contains(from) {
                 held.insert(to.reg);
@@ -147,10 +160,12 @@ fn reads(body: &mut [Inst], held: &mut HashSet<Reg>) -> bool {
         });
         found
             || match inst {
-                Inst::If { accept, reject, .. } => reads(accept, held) || reads(reject, held),
-                Inst::Switch { cases, .. } => cases.iter_mut().any(|case| reads(&mut case.body, held)),
-                Inst::Loop { body, continuing, .. } => reads(body, held) || reads(continuing, held),
-                Inst::Call { body } => reads(body, held),
+                Inst::If { accept, reject, .. } => reads(accept, held, constants) || reads(reject, held, constants),
+                Inst::Switch { cases, .. } => cases.iter_mut().any(|case| reads(&mut case.body, held, constants)),
+                Inst::Loop { body, continuing, .. } => {
+                    reads(body, held, constants) || reads(continuing, held, constants)
+                }
+                Inst::Call { body } => reads(body, held, constants),
                 _ => false,
             }
     })
