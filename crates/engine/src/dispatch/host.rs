@@ -180,23 +180,26 @@ impl Dispatched {
     /// dispatches, or a longer one, are to reach them: `if (i < 9 * count)`. More workgroups than the elements fill reach
     /// farther there, up to the guard.
     fn several(&self, sizes: [[u32; 3]; 3], reached: &[Vec<Option<u64>>]) -> Vec<Option<u64>> {
-        let mut found = vec![None; reached.len()];
+        let none = vec![None; reached.len()];
         if self.alone || self.axes.is_empty() {
-            return found;
+            return none;
         }
         let wide = |items: [u32; 3], times: u32| {
             let mut scenario = self.scenario(items, None, 0);
             scenario.groups[self.axes[0]] *= times;
-            self.reached(&self.play(&scenario, 0))
+            let outcome = self.play(&scenario, 0);
+            // Where it was cut off, no guard is what ended it.
+            if outcome.whole { self.reached(&outcome) } else { none.clone() }
         };
         let first = wide(sizes[0], WIDE);
         let grows = |k: usize| first[k].zip(reached[k][0]).is_some_and(|(wide, own)| wide > own);
         if !(0..reached.len()).any(grows) {
-            return found;
+            return none;
         }
         // What grows with the workgroups has no guard.
         let wider = wide(sizes[0], WIDE + 1);
         let all = [&first, &wide(sizes[1], WIDE), &wide(sizes[2], WIDE)];
+        let mut found = none.clone();
         for k in (0..reached.len()).filter(|&k| grows(k) && wider[k] == first[k]) {
             let parts = |n: usize| {
                 let items: u64 = sizes[n].iter().map(|&n| u64::from(n)).product();
