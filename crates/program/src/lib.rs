@@ -7,6 +7,7 @@ mod constants;
 mod contain;
 mod declared;
 mod dialect;
+mod dispatched;
 mod drawn;
 mod front;
 mod fuel;
@@ -46,6 +47,7 @@ pub use capture::{
 };
 pub use constants::{Constant, Constants, WrittenLiteral};
 pub use contain::contain;
+pub use dispatched::{Buffer, Dispatch, Dispatched};
 pub use drawn::ranges;
 pub use drawn::{Count, Drawn};
 pub use front::{COMPILER, INCOMPLETE, NAGA, UNSUPPORTED, VALIDATOR};
@@ -184,6 +186,8 @@ pub struct Program {
     pub unfed: Vec<Diagnostic>,
     /// Inputs that are numbers of the draw, with the largest value that is tried where nothing is stated.
     pub ranges: Vec<(String, u32)>,
+    /// For a whole dispatch, how it is made.
+    pub dispatch: Option<Arc<Dispatched>>,
     /// Storage blocks that are no inputs and outputs yet.
     pub(crate) memory: Vec<memory::Memory>,
     /// The author's text, to which all places belong.

@@ -147,7 +147,7 @@ pub(super) fn plain(module: &mut Module, ty: Handle<Type>) -> Handle<Type> {
 }
 
 /// The type of a part.
-fn inside(module: &mut Module, ty: Handle<Type>, index: u32) -> Handle<Type> {
+pub(super) fn inside(module: &mut Module, ty: Handle<Type>, index: u32) -> Handle<Type> {
     let inner = match &module.types[ty].inner {
         TypeInner::Struct { members, .. } => return members.get(index as usize).map_or(ty, |m| m.ty),
         TypeInner::Array { base, .. } => return *base,

@@ -61,7 +61,7 @@ impl Trouble {
             HazardKind::Conversion => Self::Conversion,
             HazardKind::Overflow => Self::IntegerOverflow,
             // These follow from the text, whatever the inputs.
-            HazardKind::Unset | HazardKind::NoReturn | HazardKind::Overlap => Self::Unset,
+            HazardKind::Unset | HazardKind::NoReturn | HazardKind::Overlap | HazardKind::Divergence => Self::Unset,
             HazardKind::Quotient
             | HazardKind::Remainder
             | HazardKind::BitField

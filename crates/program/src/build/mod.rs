@@ -216,6 +216,7 @@ fn one(shader: &Shader, target: &Target, run: bool) -> std::result::Result<(Prog
         written: crate::Written::Glsl,
         defines: shader.defines().to_vec(),
         instrumented: false,
+        dispatch: None,
         texts: Vec::new(),
         constants: Arc::default(),
     };

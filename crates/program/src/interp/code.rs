@@ -380,6 +380,12 @@ pub(super) enum Inst {
         memory: u32,
         to: Reg,
     },
+    /// Invocations that have to go the same way: what they decide by.
+    Agree {
+        first: Reg,
+        others: Vec<Reg>,
+        site: Site,
+    },
     /// Waits for all invocations of the workgroup; what they wrote before is seen behind it.
     Barrier {
         site: Site,
@@ -496,6 +502,10 @@ impl Inst {
                 f(Write, of.file(), &mut of.reg);
             }
             Self::Memory(access) => access.registers(f),
+            Self::Agree { first, others, .. } => {
+                f(Read, Word, first);
+                others.iter_mut().for_each(|reg| f(Read, Word, reg));
+            }
             Self::Length { to, .. } => f(Write, Word, to),
             Self::If { condition, .. } => f(Read, Word, condition),
             Self::Switch { selector, .. } => f(Read, Word, selector),

@@ -372,6 +372,16 @@ impl<'e, D: Domain> Machine<'e, D> {
             }
             // A program with shared memory is run by a group, which does these itself.
             Inst::Memory(_) | Inst::Length { .. } | Inst::Barrier { .. } => {}
+            Inst::Agree { first, others, site } => {
+                let first = &self.words[*first as usize];
+                let differs = |slot: usize| others.iter().any(|&reg| self.words[reg as usize][slot] != first[slot]);
+                let mask = Mask::where_(differs);
+                let mask = mask.and(self.active);
+                if !mask.is_empty() {
+                    self.report(HazardKind::Divergence, *site, mask);
+                    self.domain.give_up(*site, &mask);
+                }
+            }
             Inst::EmitVertex => self.emit_vertex(),
             Inst::EndPrimitive => {
                 for slot in self.active.slots() {

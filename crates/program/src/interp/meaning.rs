@@ -29,6 +29,8 @@ pub enum HazardKind {
     NoReturn,
     /// Two `out` arguments that are one variable; the last was copied back last.
     Overlap,
+    /// Invocations of a workgroup that do not come to a barrier together; all went the way of the first one.
+    Divergence,
     /// A loop that ran for longer than the fuel; the slot was stopped.
     Fuel,
     /// The slot was discarded, which is no finding of its own.
@@ -39,7 +41,7 @@ pub enum HazardKind {
 
 impl HazardKind {
     /// All of them.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Index,
         Self::DivisionByZero,
         Self::Overflow,
@@ -52,6 +54,7 @@ impl HazardKind {
         Self::Unset,
         Self::NoReturn,
         Self::Overlap,
+        Self::Divergence,
         Self::Fuel,
         Self::Killed,
         Self::GivenUp,
@@ -73,6 +76,7 @@ impl HazardKind {
             | Self::Unset
             | Self::NoReturn
             | Self::Overlap
+            | Self::Divergence
             | Self::Fuel
             | Self::Killed
             | Self::GivenUp => false,
@@ -92,7 +96,8 @@ impl HazardKind {
             | Self::Argument
             | Self::Unset
             | Self::NoReturn
-            | Self::Overlap => true,
+            | Self::Overlap
+            | Self::Divergence => true,
             // GLSL 4.60, 4.1.3: sums and products keep their lower 32 bits.
             Self::Overflow | Self::Fuel | Self::Killed | Self::GivenUp => false,
         }

@@ -143,6 +143,7 @@ pub fn compile(program: &Program) -> Result<Executable, InterpError> {
         textures: &program.textures,
         max_vertices: program.output_layout().max_vertices,
         shared: &[],
+        dispatch: program.dispatch.as_deref().map(|dispatch| dispatch.groups),
     })?;
     Ok(Executable { words_defined: program.written != Written::Glsl, ..executable })
 }
@@ -175,6 +176,7 @@ pub fn compile_dispatch(program: &Program) -> Result<Executable, InterpError> {
         textures: &program.textures,
         max_vertices: None,
         shared: &shared,
+        dispatch: None,
     })?;
     Ok(Executable { words_defined: program.written != Written::Glsl, ..executable })
 }
@@ -196,6 +198,7 @@ pub fn compile_read_back(back: &ReadBack) -> Result<Executable, InterpError> {
         textures: &back.textures,
         max_vertices: back.max_vertices,
         shared: &[],
+        dispatch: None,
     })
 }
 

@@ -302,6 +302,7 @@ impl Undefined {
             HazardKind::Overlap => {
                 "two `out` arguments are one variable, and the order in which they are copied back is open".to_owned()
             }
+            HazardKind::Divergence => "invocations of a workgroup do not come to a barrier together".to_owned(),
             HazardKind::Overflow | HazardKind::Fuel | HazardKind::Killed | HazardKind::GivenUp => {
                 "the operation leaves its range".to_owned()
             }

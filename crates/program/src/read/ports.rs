@@ -20,7 +20,7 @@ const MOST_ELEMENTS: u32 = 64;
 
 /// A part of a value that is fed or read word by word.
 #[derive(Clone, Debug)]
-pub(super) struct Part {
+pub(crate) struct Part {
     pub name: String,
     pub path: Vec<u32>,
     pub ty: Handle<Type>,
@@ -37,7 +37,7 @@ pub(super) struct Ports<'t> {
 }
 
 /// The largest parts of a value that have a shape; what has none is named in `unfed`.
-pub(super) fn parts(
+pub(crate) fn parts(
     module: &Module,
     ty: Handle<Type>,
     (name, path): (&str, &[u32]),

@@ -152,6 +152,7 @@ impl ModuleText {
             written: self.written,
             defines: values.to_vec(),
             instrumented: false,
+            dispatch: None,
             texts: Vec::new(),
             constants: self.constants.clone(),
         }

@@ -223,6 +223,9 @@ impl<'m> Compiler<'m> {
     }
 
     pub(super) fn select(&mut self, condition: Register, accept: Register, reject: Register) -> Register {
+        if let Some(known) = self.number(condition.reg) {
+            return if known != 0 { accept } else { reject };
+        }
         let to = Register { reg: self.temporary(), ..accept };
         self.push(Inst::Select { to, condition: condition.reg, accept: accept.reg, reject: reject.reg });
         to

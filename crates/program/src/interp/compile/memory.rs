@@ -171,6 +171,12 @@ impl<'m> Compiler<'m> {
         }
         let elements = types::elements(self.module, &inner);
         let (stride, len) = elements.ok_or_else(|| unsupported("this kind of access".to_owned(), frame.span))?;
+        if let Some(at) = self.number(index).map(|at| at as usize).filter(|&at| at < len) {
+            return Ok(match value {
+                Value::Registers(registers) => Value::Registers(registers[at * stride..(at + 1) * stride].into()),
+                Value::Pointer(pointer) => Value::Pointer(Pointer { offset: pointer.offset + at * stride, ..pointer }),
+            });
+        }
         let b = self.word(len as u32, Scalar::U32).reg;
         let reg = self.temporary();
         self.push(Inst::Word2 { op: Word2::Index, to: reg, a: index, b, site });

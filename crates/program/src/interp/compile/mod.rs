@@ -12,6 +12,7 @@ mod overlap;
 mod shared;
 mod statement;
 mod texture;
+mod together;
 mod types;
 
 use std::collections::{HashMap, HashSet};
@@ -68,6 +69,8 @@ pub struct Subject<'m> {
     pub max_vertices: Option<u32>,
     /// Variables in memory that the invocations of a dispatch share: buffers, and the memory of a workgroup.
     pub shared: &'m [Handle<GlobalVariable>],
+    /// Workgroups along x, y and z where all invocations of a dispatch are one program, one after the other.
+    pub dispatch: Option<[u32; 3]>,
 }
 
 /// Instructions of one executable: calls are expanded in place, which can grow without measure.
@@ -171,6 +174,12 @@ struct Compiler<'m> {
     /// Those of them that have one in every slot that gets here.
     assigned: HashSet<(File, Reg)>,
     depth: usize,
+    /// Variables of the invocation whose code is written now, where there are several.
+    own: HashMap<Handle<GlobalVariable>, Rc<[Register]>>,
+    /// Words that are known, by their registers.
+    numbers: HashMap<Reg, u32>,
+    /// Places of statements, where there are several invocations.
+    statements: HashMap<(Option<Handle<Function>>, Option<std::ops::Range<usize>>), Site>,
 }
 
 impl<'m> Compiler<'m> {
@@ -208,6 +217,9 @@ impl<'m> Compiler<'m> {
             unset: HashMap::new(),
             assigned: HashSet::new(),
             depth: 0,
+            own: HashMap::new(),
+            numbers: HashMap::new(),
+            statements: HashMap::new(),
         }
     }
 
@@ -256,7 +268,9 @@ impl<'m> Compiler<'m> {
             outputs.extend(self.place_output(binding, &mut arguments, &result, &filled)?);
         }
         self.executable.outputs = outputs;
-        let arguments: Option<Vec<Value>> = arguments.into_iter().collect();
+        let dispatched = self.subject.dispatch.is_some();
+        // Each invocation of a dispatch has arguments of its own.
+        let arguments: Option<Vec<Value>> = arguments.into_iter().filter(|a| a.is_some() || !dispatched).collect();
         let arguments = arguments
             .ok_or_else(|| InterpError::internal("an argument of the entry point is fed by nothing".to_owned()))?;
         // What is fed, or marked as never written, keeps that.
@@ -269,7 +283,10 @@ impl<'m> Compiler<'m> {
         let own: HashSet<(File, Reg)> =
             fed.chain(blocks.flat_map(|registers| registers.iter().copied())).map(key).collect();
         self.unset.retain(|variable, _| !own.contains(variable));
-        let body = self.function(handle, function, info, arguments, result)?;
+        let body = match self.subject.dispatch {
+            None => self.function(handle, function, info, arguments, result)?,
+            Some(groups) => self.dispatch(groups, function, info)?,
+        };
         for (file, reg) in self.unset.keys() {
             self.executable.unset[*file as usize].insert(*reg);
         }
@@ -413,14 +430,18 @@ impl<'m> Compiler<'m> {
 
     /// The registers of a global variable.
     fn global(&mut self, handle: Handle<GlobalVariable>) -> Result<Rc<[Register]>, InterpError> {
-        if let Some(registers) = self.globals.get(&handle) {
+        let variable = &self.module.global_variables[handle];
+        let dispatched = self.subject.dispatch.is_some();
+        // Each invocation of a dispatch has variables of its own, and shares memory with the others.
+        let own = dispatched && variable.space == AddressSpace::Private;
+        if let Some(registers) = if own { &self.own } else { &self.globals }.get(&handle) {
             return Ok(registers.clone());
         }
-        let variable = &self.module.global_variables[handle];
         let span = self.module.global_variables.get_span(handle);
         let name = variable.name.as_deref().unwrap_or("a variable");
         match variable.space {
             AddressSpace::Private | AddressSpace::Function => {}
+            AddressSpace::WorkGroup | AddressSpace::Storage { .. } if dispatched => {}
             AddressSpace::Uniform => {
                 let fed = self.subject.uniforms.iter().any(|binding| match binding.at {
                     PortAt::Global(global) | PortAt::Member(global, _) | PortAt::Part { global, .. } => {
@@ -442,7 +463,7 @@ impl<'m> Compiler<'m> {
             }
         }
         let registers = self.variable(variable.ty, span)?;
-        self.globals.insert(handle, registers.clone());
+        if own { &mut self.own } else { &mut self.globals }.insert(handle, registers.clone());
         let initial = match variable.init {
             Some(init) => Some(self.constant_expression(init)?),
             None if variable.space == AddressSpace::Private => {
@@ -518,6 +539,7 @@ impl<'m> Compiler<'m> {
             None => {
                 let to = self.fixed(File::Word);
                 self.executable.constants.push(Constant::Word { to, value });
+                self.numbers.insert(to, value);
                 self.constants.insert((None, File::Word, value), to);
                 to
             }

@@ -36,12 +36,18 @@ impl<'m> Compiler<'m> {
     }
 
     pub(super) fn word1(&mut self, site: Site, op: Word1, a: Register, scalar: Scalar) -> Register {
+        if let Some(known) = self.known_word1(op, a) {
+            return self.word(known, scalar);
+        }
         let to = self.temporary();
         self.push(Inst::Word1 { op, to, a: a.reg, site });
         Register { scalar, reg: to }
     }
 
     pub(super) fn word2(&mut self, site: Site, op: Word2, a: Register, b: Register, scalar: Scalar) -> Register {
+        if let Some(known) = self.known_word2(op, a.reg, b.reg) {
+            return self.word(known, scalar);
+        }
         let to = self.temporary();
         self.push(Inst::Word2 { op, to, a: a.reg, b: b.reg, site });
         Register { scalar, reg: to }

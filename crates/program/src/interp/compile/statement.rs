@@ -28,6 +28,20 @@ impl<'m> Compiler<'m> {
         result: Rc<[Register]>,
     ) -> Result<Vec<Inst>, InterpError> {
         let outside = std::mem::take(&mut self.code);
+        let mut frame = self.frame(handle, function, info, arguments, result)?;
+        self.statements(&mut frame, &function.body)?;
+        Ok(std::mem::replace(&mut self.code, outside))
+    }
+
+    /// A call of a function whose variables have come to life.
+    pub(super) fn frame(
+        &mut self,
+        handle: Option<Handle<Function>>,
+        function: &'m Function,
+        info: &'m FunctionInfo,
+        arguments: Vec<Value>,
+        result: Rc<[Register]>,
+    ) -> Result<Frame<'m>, InterpError> {
         let mut frame = Frame {
             handle,
             function,
@@ -63,8 +77,7 @@ impl<'m> Compiler<'m> {
                 self.known.insert(super::key(to), from.reg);
             }
         }
-        self.statements(&mut frame, &function.body)?;
-        Ok(std::mem::replace(&mut self.code, outside))
+        Ok(frame)
     }
 
     /// A block of its own.
@@ -94,7 +107,7 @@ impl<'m> Compiler<'m> {
         Ok(())
     }
 
-    fn statement(
+    pub(super) fn statement(
         &mut self,
         frame: &mut Frame<'m>,
         statement: &'m Statement,
@@ -112,6 +125,9 @@ impl<'m> Compiler<'m> {
             Statement::Block(block) => self.statements(frame, block)?,
             Statement::If { condition, accept, reject } => {
                 let condition = self.single(frame, *condition)?.reg;
+                if let Some(known) = self.number(condition) {
+                    return self.statements(frame, if known != 0 { accept } else { reject });
+                }
                 let before = self.known.clone();
                 let accept = self.branch(frame, accept, &before)?;
                 let reject = self.branch(frame, reject, &before)?;
@@ -181,7 +197,7 @@ impl<'m> Compiler<'m> {
             }
             Statement::ControlBarrier(barrier) => self.barrier(frame, *barrier, span)?,
             // It orders what one invocation does, which is done in order here.
-            Statement::MemoryBarrier(_) if !self.subject.shared.is_empty() => {}
+            Statement::MemoryBarrier(_) if !self.subject.shared.is_empty() || self.subject.dispatch.is_some() => {}
             Statement::MemoryBarrier(_) => return refuse("memory barriers"),
             Statement::ImageStore { .. } => return refuse("writing images"),
             Statement::Atomic { pointer, fun, value, result } => {
@@ -203,8 +219,15 @@ impl<'m> Compiler<'m> {
 
     pub(super) fn statement_site(&mut self, frame: &Frame<'m>, span: naga::Span) -> Site {
         let sites = &mut self.executable.sites;
-        sites.push(Place { function: frame.handle, expression: None, span });
-        Site((sites.len() - 1) as u32)
+        let mut new = || {
+            sites.push(Place { function: frame.handle, expression: None, span });
+            Site((sites.len() - 1) as u32)
+        };
+        match self.subject.dispatch {
+            None => new(),
+            // All invocations share the places of their code.
+            Some(_) => *self.statements.entry((frame.handle, span.to_range())).or_insert_with(new),
+        }
     }
 
     fn call(

@@ -32,6 +32,7 @@ fn run(text: &str, words: u32, zeroed: bool) -> Outcome {
         textures: &[],
         max_vertices: None,
         shared: &shared,
+        dispatch: None,
     };
     let executable = Executable::compile(&subject).unwrap();
     let buffer = |shape: &super::MemoryShape| {

@@ -1,6 +1,7 @@
 //! The interpreter on small functions, against values derived without it.
 
 mod control;
+mod dispatched;
 mod faults;
 mod functions;
 mod memory;

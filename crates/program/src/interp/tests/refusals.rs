@@ -17,6 +17,7 @@ fn refused(text: &str) -> (String, String) {
         textures: &[],
         max_vertices: None,
         shared: &[],
+        dispatch: None,
     };
     match Executable::compile(&subject) {
         Err(InterpError::Unsupported { what, span }) => {

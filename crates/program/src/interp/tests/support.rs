@@ -65,6 +65,7 @@ pub(super) fn compile_with((module, info): &(Module, ModuleInfo), feeds: bool) -
         textures: &[],
         max_vertices: None,
         shared: &[],
+        dispatch: None,
     };
     Executable::compile(&subject)
 }

@@ -1,0 +1,259 @@
+//! A compute stage as one whole dispatch: what its buffers hold before goes in, and what they hold behind it comes out.
+//!
+//! The number of workgroups and the lengths of the buffers are fixed. All invocations then make one pointwise program,
+//! from the words of all buffers to the words of those that are written, which is judged like any other.
+
+use std::num::NonZeroU32;
+use std::sync::Arc;
+
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+use naga::{
+    AddressSpace, ArraySize, Expression, Function, Handle, Literal, Module, Span, StructMember, Type, TypeInner,
+};
+
+use super::memory::{inside, without_atomics};
+use super::{Entry, Port, PortAt, Program, ProgramError};
+use crate::contain::contain;
+use crate::read::parts;
+use base::value::Field;
+
+/// How a stage is dispatched.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Dispatch {
+    /// Workgroups along x, y and z.
+    pub groups: [u32; 3],
+    /// Elements of the arrays that are as long as their buffers, by the name of the buffer.
+    pub lengths: Vec<(String, u32)>,
+}
+
+/// The module of the author's, and how it is dispatched.
+#[derive(Clone, Debug)]
+pub struct Dispatched {
+    /// Workgroups along x, y and z.
+    pub groups: [u32; 3],
+    /// The buffers, in the order in which the program takes them.
+    pub buffers: Vec<Buffer>,
+    /// The module before its buffers got lengths, with what the validator found out about it.
+    pub host: Arc<(Module, ModuleInfo)>,
+}
+
+/// A buffer of a dispatch.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Buffer {
+    /// The variable, in both modules.
+    pub global: Handle<naga::GlobalVariable>,
+    /// Its size in bytes.
+    pub bytes: u32,
+    /// The words of the record that it holds, in order, with their places in bytes.
+    pub words: Vec<u32>,
+    /// True for one whose contents come out.
+    pub written: bool,
+}
+
+impl Program {
+    /// Names of the buffers that a dispatch takes, in order; true for those that are as long as their host makes them.
+    pub fn buffers(&self) -> Vec<(String, bool)> {
+        let name = |m: &super::memory::Memory| self.module.global_variables[m.global].name.clone().unwrap_or_default();
+        self.memory.iter().map(|memory| (name(memory), memory.open)).collect()
+    }
+
+    /// The program as one whole dispatch.
+    ///
+    /// # Errors
+    /// [`ProgramError::Unsupported`] for what is no compute stage, a buffer without a length or with one too many, and what
+    /// cannot be fed; [`ProgramError::Internal`] for a module that does not come out valid.
+    pub fn dispatched(mut self, dispatch: &Dispatch) -> Result<Self, ProgramError> {
+        let refuse = |what: String| Err(ProgramError::Unsupported { what });
+        let (Entry::Point(_), Some(_)) = (self.entry, self.workgroup_size()) else {
+            return refuse("a dispatch of what is no compute stage".to_owned());
+        };
+        if dispatch.groups.contains(&0) {
+            return refuse("a dispatch without workgroups, which does nothing".to_owned());
+        }
+        self.inputs.clear();
+        self.built_ins.clear();
+        let names = self.buffers();
+        let open: Vec<&str> = names.iter().filter(|(_, open)| *open).map(|(name, _)| &name[..]).collect();
+        if let Some((name, _)) = dispatch.lengths.iter().find(|(name, _)| !open.contains(&&name[..])) {
+            let of = if open.is_empty() { "none is".to_owned() } else { format!("these are: {}", open.join(", ")) };
+            return refuse(format!(
+                "a length of `{name}`, which is no buffer that is as long as its host makes it; {of}"
+            ));
+        }
+        let host = Arc::new((self.module.clone(), self.info.clone()));
+        let mut module = self.module.clone();
+        let mut buffers = Vec::new();
+        for (memory, (name, open)) in std::mem::take(&mut self.memory).into_iter().zip(names) {
+            let len = match dispatch.lengths.iter().find(|(of, _)| *of == name) {
+                Some(&(_, len)) => len,
+                None if open => return refuse(format!("the buffer `{name}` without a length")),
+                None => 1,
+            };
+            let Some(len) = NonZeroU32::new(len) else {
+                return refuse(format!("the buffer `{name}` without an element: a binding holds one at least"));
+            };
+            let ty = sized(&mut module, self.module.global_variables[memory.global].ty, len);
+            module.global_variables[memory.global].ty = ty;
+            let (mut found, mut unfed) = (Vec::new(), Vec::new());
+            parts(&module, ty, (&name, &[]), &mut found, &mut unfed);
+            if let Some(what) = unfed.first() {
+                return refuse(format!("{what} in a buffer"));
+            }
+            let mut words = Vec::new();
+            for part in found {
+                let inner = part.path.iter().fold(ty, |ty, &k| inside(&mut module, ty, k));
+                let at = match part.path[..] {
+                    [] => PortAt::Global(memory.global),
+                    _ => PortAt::Part { global: memory.global, path: part.path.clone() },
+                };
+                let field = Field { name: part.name, shape: part.shape };
+                let port = Port { field, ty: inner, at, backing: None };
+                places(&module, inner, offset(&module, ty, &part.path), &mut words);
+                self.inputs.push(port.clone());
+                if memory.written {
+                    self.outputs.push(port);
+                }
+            }
+            let bytes = module.types[ty].inner.size(module.to_ctx());
+            buffers.push(Buffer { global: memory.global, bytes, words, written: memory.written });
+        }
+        let workgroup: Vec<_> = module
+            .global_variables
+            .iter()
+            .filter(|(_, v)| v.space == AddressSpace::WorkGroup)
+            .map(|(h, _)| h)
+            .collect();
+        for global in workgroup {
+            let ty = sized(&mut module, self.module.global_variables[global].ty, NonZeroU32::MIN);
+            module.global_variables[global].ty = ty;
+        }
+        let shape = module.clone();
+        for (_, function) in module.functions.iter_mut() {
+            settle(&shape, function)?;
+        }
+        for point in &mut module.entry_points {
+            settle(&shape, &mut point.function)?;
+        }
+        self.info = checked(&module)?;
+        self.module = module;
+        self.instrumented = true;
+        self.dispatch = Some(Arc::new(Dispatched { groups: dispatch.groups, buffers, host }));
+        Ok(self)
+    }
+}
+
+/// Types of a module in which numbers stand in places where lengths are told: the rules about places do not matter here.
+fn checked(module: &Module) -> Result<ModuleInfo, ProgramError> {
+    let mut validator = Validator::new(ValidationFlags::empty(), Capabilities::all());
+    contain(|| validator.validate(module).map_err(Box::new))
+        .map_err(|panic| ProgramError::internal(format!("naga panicked: {panic}")))?
+        .map_err(|error| ProgramError::internal(format!("{:?}", error.into_inner())))
+}
+
+/// The type without atomic numbers, and with so many elements where it has an open end.
+fn sized(module: &mut Module, ty: Handle<Type>, len: NonZeroU32) -> Handle<Type> {
+    let old = module.types[ty].clone();
+    let inner = match old.inner {
+        TypeInner::Atomic(scalar) => {
+            return module.types.insert(Type { name: None, inner: TypeInner::Scalar(scalar) }, Span::UNDEFINED);
+        }
+        TypeInner::Array { base, size, stride } => {
+            let size = if size == ArraySize::Dynamic { ArraySize::Constant(len) } else { size };
+            TypeInner::Array { base: sized(module, base, len), size, stride }
+        }
+        TypeInner::Struct { members, span } => {
+            let mut end = span;
+            let mut changed = Vec::new();
+            for member in &members {
+                let ty = sized(module, member.ty, len);
+                end = end.max(member.offset + module.types[ty].inner.size(module.to_ctx()));
+                changed.push(StructMember { ty, ..member.clone() });
+            }
+            // Values of the type keep it.
+            if changed.iter().zip(&members).all(|(new, old)| new.ty == old.ty) {
+                return ty;
+            }
+            TypeInner::Struct { members: changed, span: if end > span { end.next_multiple_of(16) } else { span } }
+        }
+        _ => return ty,
+    };
+    module.types.insert(Type { name: old.name, inner }, Span::UNDEFINED)
+}
+
+/// Where a part lies in its variable, in bytes.
+fn offset(module: &Module, mut ty: Handle<Type>, path: &[u32]) -> u32 {
+    let mut at = 0;
+    for &index in path {
+        match &module.types[ty].inner {
+            TypeInner::Struct { members, .. } => {
+                let Some(member) = members.get(index as usize) else { return at };
+                (at, ty) = (at + member.offset, member.ty);
+            }
+            TypeInner::Array { base, stride, .. } => (at, ty) = (at + index * stride, *base),
+            _ => return at,
+        }
+    }
+    at
+}
+
+/// Places of the scalars of a value in bytes, in the order of its words.
+fn places(module: &Module, ty: Handle<Type>, at: u32, all: &mut Vec<u32>) {
+    match module.types[ty].inner {
+        TypeInner::Vector { size, .. } => all.extend((0..size as u32).map(|k| at + 4 * k)),
+        TypeInner::Matrix { columns, rows, .. } => {
+            let stride = if rows == naga::VectorSize::Bi { 8 } else { 16 };
+            for column in 0..columns as u32 {
+                all.extend((0..rows as u32).map(|row| at + stride * column + 4 * row));
+            }
+        }
+        TypeInner::Array { base, size: ArraySize::Constant(len), stride } => {
+            (0..len.get()).for_each(|k| places(module, base, at + k * stride, all));
+        }
+        TypeInner::Struct { ref members, .. } => {
+            members.iter().for_each(|member| places(module, member.ty, at + member.offset, all));
+        }
+        _ => all.push(at),
+    }
+}
+
+/// Lengths become numbers, and atomic functions ordinary ones: one invocation runs after the other.
+fn settle(module: &Module, function: &mut Function) -> Result<(), ProgramError> {
+    let questions: Vec<(Handle<Expression>, Handle<Expression>)> = function
+        .expressions
+        .iter()
+        .filter_map(|(handle, e)| match e {
+            Expression::ArrayLength(array) => Some((handle, *array)),
+            _ => None,
+        })
+        .collect();
+    for (handle, array) in questions {
+        let len = length(module, function, array).ok_or_else(|| ProgramError::Unsupported {
+            what: "a dispatch of a shader that asks for the length of a buffer which it got by a pointer".to_owned(),
+        })?;
+        function.expressions[handle] = Expression::Literal(Literal::U32(len));
+    }
+    without_atomics(function)
+}
+
+/// Elements of the array that an expression points to.
+fn length(module: &Module, function: &Function, mut at: Handle<Expression>) -> Option<u32> {
+    let mut path = Vec::new();
+    let mut ty = loop {
+        match function.expressions[at] {
+            Expression::AccessIndex { base, index } => {
+                path.push(index);
+                at = base;
+            }
+            Expression::GlobalVariable(global) => break module.global_variables[global].ty,
+            _ => return None,
+        }
+    };
+    for &index in path.iter().rev() {
+        let TypeInner::Struct { members, .. } = &module.types[ty].inner else { return None };
+        ty = members.get(index as usize)?.ty;
+    }
+    match module.types[ty].inner {
+        TypeInner::Array { size: ArraySize::Constant(len), .. } => Some(len.get()),
+        _ => None,
+    }
+}
