@@ -211,6 +211,7 @@ fn suite(shader: &Shader) -> Result<Suite, Error> {
         floors: Floors { judged: 1, ..floors },
         literals: Literals::default(),
         strands: None,
+        dispatch: engine::suite::Dispatching::default(),
         includes: shader.includes.clone(),
         file: SourceFile::new("", ""),
     })
@@ -222,6 +223,7 @@ fn guessed(shader: &Shader) -> Result<Vec<InputGroup>, Error> {
         Stage::Vertex => syntax::Stage::Vertex,
         Stage::Geometry => syntax::Stage::Geometry,
         Stage::Fragment => syntax::Stage::Fragment,
+        Stage::Compute => syntax::Stage::Compute,
         Stage::Function => syntax::Stage::from_path(shader.file.name()).unwrap_or(syntax::Stage::Library),
     };
     let program = match Written::of(&shader.file) {

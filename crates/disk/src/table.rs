@@ -183,6 +183,11 @@ impl<'a> Table<'a> {
         self.value(key).is_some_and(|value| value.get_ref().as_str().is_some())
     }
 
+    /// True for a key whose value is a table.
+    pub fn is_table(&self, key: &str) -> bool {
+        self.value(key).is_some_and(|value| value.get_ref().as_table().is_some())
+    }
+
     /// `true` or `false`.
     pub fn flag(&self, key: &str) -> Option<bool> {
         let value = self.value(key)?;

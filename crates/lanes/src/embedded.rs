@@ -36,9 +36,13 @@ impl Lane for Embedded {
         &self.description
     }
 
+    fn dispatches(&self) -> bool {
+        true
+    }
+
     fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
         match kernel.form {
-            Form::Compute => {}
+            Form::Compute | Form::Dispatch { .. } => {}
             Form::Geometry => {
                 return Err(LaneError::Unsupported("geometry stages; they run as compute".to_owned()));
             }

@@ -31,23 +31,8 @@ pub struct Dispatch {
 pub struct Dispatched {
     /// Workgroups along x, y and z.
     pub groups: [u32; 3],
-    /// The buffers, in the order in which the program takes them.
-    pub buffers: Vec<Buffer>,
     /// The module before its buffers got lengths, with what the validator found out about it.
     pub host: Arc<(Module, ModuleInfo)>,
-}
-
-/// A buffer of a dispatch.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Buffer {
-    /// The variable, in both modules.
-    pub global: Handle<naga::GlobalVariable>,
-    /// Its size in bytes.
-    pub bytes: u32,
-    /// The words of the record that it holds, in order, with their places in bytes.
-    pub words: Vec<u32>,
-    /// True for one whose contents come out.
-    pub written: bool,
 }
 
 impl Program {
@@ -82,7 +67,6 @@ impl Program {
         }
         let host = Arc::new((self.module.clone(), self.info.clone()));
         let mut module = self.module.clone();
-        let mut buffers = Vec::new();
         for (memory, (name, open)) in std::mem::take(&mut self.memory).into_iter().zip(names) {
             let len = match dispatch.lengths.iter().find(|(of, _)| *of == name) {
                 Some(&(_, len)) => len,
@@ -99,7 +83,6 @@ impl Program {
             if let Some(what) = unfed.first() {
                 return refuse(format!("{what} in a buffer"));
             }
-            let mut words = Vec::new();
             for part in found {
                 let inner = part.path.iter().fold(ty, |ty, &k| inside(&mut module, ty, k));
                 let at = match part.path[..] {
@@ -108,14 +91,11 @@ impl Program {
                 };
                 let field = Field { name: part.name, shape: part.shape };
                 let port = Port { field, ty: inner, at, backing: None };
-                places(&module, inner, offset(&module, ty, &part.path), &mut words);
                 self.inputs.push(port.clone());
                 if memory.written {
                     self.outputs.push(port);
                 }
             }
-            let bytes = module.types[ty].inner.size(module.to_ctx());
-            buffers.push(Buffer { global: memory.global, bytes, words, written: memory.written });
         }
         let workgroup: Vec<_> = module
             .global_variables
@@ -137,7 +117,7 @@ impl Program {
         self.info = checked(&module)?;
         self.module = module;
         self.instrumented = true;
-        self.dispatch = Some(Arc::new(Dispatched { groups: dispatch.groups, buffers, host }));
+        self.dispatch = Some(Arc::new(Dispatched { groups: dispatch.groups, host }));
         Ok(self)
     }
 }
@@ -181,7 +161,7 @@ fn sized(module: &mut Module, ty: Handle<Type>, len: NonZeroU32) -> Handle<Type>
 }
 
 /// Where a part lies in its variable, in bytes.
-fn offset(module: &Module, mut ty: Handle<Type>, path: &[u32]) -> u32 {
+pub(crate) fn offset(module: &Module, mut ty: Handle<Type>, path: &[u32]) -> u32 {
     let mut at = 0;
     for &index in path {
         match &module.types[ty].inner {
@@ -197,7 +177,7 @@ fn offset(module: &Module, mut ty: Handle<Type>, path: &[u32]) -> u32 {
 }
 
 /// Places of the scalars of a value in bytes, in the order of its words.
-fn places(module: &Module, ty: Handle<Type>, at: u32, all: &mut Vec<u32>) {
+pub(crate) fn places(module: &Module, ty: Handle<Type>, at: u32, all: &mut Vec<u32>) {
     match module.types[ty].inner {
         TypeInner::Vector { size, .. } => all.extend((0..size as u32).map(|k| at + 4 * k)),
         TypeInner::Matrix { columns, rows, .. } => {

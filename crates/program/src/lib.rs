@@ -42,12 +42,12 @@ use syntax::{Shader, Stage};
 pub use crate::lower::{Primitives, Role};
 pub use build::DISCARD;
 pub use capture::{
-    Attribute, ENTRY_POINT, Form, InputSource, Kernel, OutputLayout, UniformBlock, UniformPlace, WORKGROUP, binding,
-    uniform_blocks,
+    Attribute, BoundBuffer, ENTRY_POINT, Form, InputSource, Kernel, OutputLayout, UniformBlock, UniformPlace,
+    WORKGROUP, binding, uniform_blocks,
 };
 pub use constants::{Constant, Constants, WrittenLiteral};
 pub use contain::contain;
-pub use dispatched::{Buffer, Dispatch, Dispatched};
+pub use dispatched::{Dispatch, Dispatched};
 pub use drawn::ranges;
 pub use drawn::{Count, Drawn};
 pub use front::{COMPILER, INCOMPLETE, NAGA, UNSUPPORTED, VALIDATOR};

@@ -65,7 +65,7 @@ impl Lane for AdversaryLane {
 
     fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
         match kernel.form {
-            Form::Compute => {}
+            Form::Compute | Form::Dispatch { .. } => {}
             Form::Geometry => {
                 return Err(LaneError::Unsupported("geometry stages; they run as compute".to_owned()));
             }

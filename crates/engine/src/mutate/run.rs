@@ -100,6 +100,7 @@ pub fn run(
         Stage::Vertex => syntax::Stage::Vertex,
         Stage::Geometry => syntax::Stage::Geometry,
         Stage::Fragment => syntax::Stage::Fragment,
+        Stage::Compute => syntax::Stage::Compute,
         Stage::Function => syntax::Stage::from_path(shader.name()).unwrap_or(syntax::Stage::Library),
     };
     let parsed = parsed(shader, stage, suite).shader;

@@ -21,6 +21,10 @@ pub(super) enum Form {
         most: i64,
     },
     Number,
+    /// Numbers or texts, or one of them.
+    Words,
+    /// Names with numbers or texts.
+    Counts(&'static str),
     Range,
     Numbers,
     Flag,
@@ -187,6 +191,27 @@ pub(super) const SECTIONS: &[Section] = &[
                  coordinates are clamped to the edge.",
             ),
             key("strands", Form::Table("[strands]"), "Strands of nodes that a geometry stage sees four at a time."),
+            key("dispatch", Form::Table("[dispatch]"), "How a compute stage is dispatched; needed for it."),
+        ],
+    },
+    Section {
+        title: "[dispatch]",
+        about: "How a compute stage is dispatched. One sample is a whole dispatch: its inputs are what all buffers hold \
+                before, and its outputs what those hold behind it that are written. Numbers may be expressions of sizes: \
+                `\"(N + 63) / 64\"`.",
+        keys: &[
+            required("groups", Form::Words, "Workgroups along x, y and z; 1 along axes that are left out."),
+            key(
+                "lengths",
+                Form::Counts("[dispatch.lengths]"),
+                "Elements of the arrays that are as long as their buffers, by the name of the buffer.",
+            ),
+            key(
+                "sizes",
+                Form::Counts("[dispatch.sizes]"),
+                "Names of sizes with the values that they take, as a list, or as a range of which the awkward ones are \
+                 taken: { from = 1, to = 300 }. Every combination is run, and the reference gets sizes as macros.",
+            ),
         ],
     },
     Section {
@@ -319,6 +344,8 @@ fn named(form: Form) -> String {
         Form::TextOrTexts => "text, or a list of texts".to_owned(),
         Form::Whole { least, most } => format!("whole number from {least} to {most}"),
         Form::Number => "number".to_owned(),
+        Form::Words => "number or text, or a list of them".to_owned(),
+        Form::Counts(title) => format!("table {title} of numbers, texts and lists of them"),
         Form::Range => "[lo, hi]".to_owned(),
         Form::Numbers => "list of numbers".to_owned(),
         Form::Flag => "true or false".to_owned(),
@@ -411,6 +438,22 @@ fn of(form: Form) -> Value {
         }
         Form::Whole { least, most } => json!({ "type": "integer", "minimum": least, "maximum": most }),
         Form::Number => json!({ "type": "number" }),
+        Form::Words => {
+            let word = json!({ "type": ["string", "integer"] });
+            json!({ "anyOf": [word, { "type": "array", "items": word, "minItems": 1 }] })
+        }
+        Form::Counts(_) => {
+            let word = json!({ "type": ["string", "integer"] });
+            let whole = json!({ "type": "integer", "minimum": 0 });
+            let range = json!({
+                "type": "object", "properties": { "from": whole, "to": whole }, "required": ["from", "to"],
+                "additionalProperties": false,
+            });
+            json!({
+                "type": "object",
+                "additionalProperties": { "anyOf": [word, { "type": "array", "items": word, "minItems": 1 }, range] },
+            })
+        }
         Form::Range => json!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 }),
         Form::Numbers => json!({ "type": "array", "items": { "type": "number" } }),
         Form::Flag => json!({ "type": "boolean" }),

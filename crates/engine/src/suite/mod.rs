@@ -2,6 +2,7 @@
 //! how strictly it is judged. A suite is a TOML file beside its shader.
 
 mod compiled;
+mod dispatch;
 pub mod draft;
 mod error;
 mod expect;
@@ -20,7 +21,7 @@ mod textures;
 use std::sync::Arc;
 
 use base::text::SourceFile;
-use base::value::{Field, Record};
+use base::value::{Field, Record, Scalar};
 use judge::verdict::Literals;
 use lanes::{Lane, Stage as LaneStage};
 use program::Program;
@@ -29,6 +30,7 @@ use property::law::Law;
 use property::{InputGroup, Own, Plan, PlanError};
 
 pub use compiled::Asked;
+pub use dispatch::{Count, Dispatching};
 pub use error::{LoadError, RunTextureError, SuiteError};
 pub use expect::{Define, Defines, Expect, RecordedFile, ReferenceFile, combinations};
 pub use files::{
@@ -53,6 +55,8 @@ pub enum Stage {
     Geometry,
     /// A fragment shader: `main` is run for interpolated inputs.
     Fragment,
+    /// A compute shader: one sample is a whole dispatch.
+    Compute,
     /// A single function, called with arguments.
     Function,
 }
@@ -63,19 +67,21 @@ impl Stage {
         match self {
             Self::Vertex => Some(syntax::Stage::Vertex),
             Self::Fragment => Some(syntax::Stage::Fragment),
+            Self::Compute => Some(syntax::Stage::Compute),
             Self::Geometry | Self::Function => None,
         }
     }
 
     /// All stages.
-    pub const ALL: [Self; 4] = [Self::Vertex, Self::Geometry, Self::Fragment, Self::Function];
+    pub const ALL: [Self; 5] = [Self::Vertex, Self::Geometry, Self::Fragment, Self::Compute, Self::Function];
 
-    /// `vertex`, `geometry`, `fragment` or `function`.
+    /// `vertex`, `geometry`, `fragment`, `compute` or `function`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Vertex => "vertex",
             Self::Geometry => "geometry",
             Self::Fragment => "fragment",
+            Self::Compute => "compute",
             Self::Function => "function",
         }
     }
@@ -160,6 +166,8 @@ pub struct Suite {
     pub textures: Vec<BoundTexture>,
     /// Strands of which a geometry stage sees windows.
     pub strands: Option<Strands>,
+    /// How a compute stage is dispatched.
+    pub dispatch: Dispatching,
     /// Where files are looked for that the shader includes.
     pub includes: Includes,
     /// The text of the suite file.
@@ -171,7 +179,7 @@ impl Suite {
     /// of a lane that offers that instead.
     pub fn stages(&self, lane: &dyn Lane) -> Vec<LaneStage> {
         let runs = |stage: &LaneStage| match stage {
-            LaneStage::Compute => true,
+            LaneStage::Compute => self.stage != Stage::Compute || lane.dispatches(),
             LaneStage::Vertex => {
                 self.stage == Stage::Vertex || (self.stage == Stage::Function && lane.calls_functions())
             }
@@ -198,8 +206,9 @@ impl Suite {
                 ..self.clone()
             }
         };
+        let matrix: Vec<Define> = self.defines.iter().chain(&self.dispatch.sizes).cloned().collect();
         let of_entry = |entry: Option<&String>| -> Vec<Self> {
-            combinations(&self.defines).into_iter().map(|(words, chosen)| variant(entry, words, chosen)).collect()
+            combinations(&matrix).into_iter().map(|(words, chosen)| variant(entry, words, chosen)).collect()
         };
         entries.into_iter().flat_map(of_entry).collect()
     }
@@ -234,7 +243,23 @@ impl Suite {
                 at: self.name.clone(),
             })
         };
-        let numbers = invocation.fields().iter().filter_map(number);
+        // What a buffer holds before it is written must not matter, unless the suite says what that is.
+        let before = |field: &Field| {
+            let outside = program.dispatch.is_some() && !stated(&field.name);
+            let written = || program.outputs.iter().any(|port| port.field.name == field.name);
+            let (generator, range) = match field.shape.scalar {
+                Scalar::F32 => ("interval", [-1e3, 1e3]),
+                Scalar::I32 | Scalar::U32 | Scalar::Bool => ("index", [0.0, 1e3]),
+            };
+            (outside && written()).then_some(())?;
+            Some(InputGroup {
+                names: vec![field.name.clone()],
+                generator: Own::Static(generators::by_name(generator)?),
+                options: Options { range: Some(range), ..Options::default() },
+                at: self.name.clone(),
+            })
+        };
+        let numbers = invocation.fields().iter().filter_map(|field| number(field).or_else(|| before(field)));
         let suite = Self { inputs: self.inputs.iter().cloned().chain(numbers).collect(), ..self.clone() };
         suite.plan(invocation, case)
     }

@@ -176,7 +176,9 @@ impl Front for Glslang {
             }
             (Form::Vertex { .. }, _) => return unsupported("a program that is no vertex stage, as one"),
             (Form::Geometry, _) => return unsupported("a program that is no geometry stage, as one"),
-            (Form::Compute | Form::Uniforms | Form::Constants, _) => return unsupported("compute stages"),
+            (Form::Compute | Form::Uniforms | Form::Constants | Form::Dispatch { .. }, _) => {
+                return unsupported("compute stages");
+            }
         };
         let (invocation, case, output) = (kernel.invocation.clone(), kernel.case.clone(), kernel.output.clone());
         Ok(Work::Native(Job { stage, module: module.into(), invocation, case, output }))

@@ -56,7 +56,7 @@ pub fn job(kernel: &Kernel) -> Result<Job, LaneError> {
             (pass::kind(*primitives), Some(text), attributes, fed)
         }
         (_, Role::Fragment | Role::Compute) => return Err(unsupported("stages other than vertex and geometry")),
-        (Form::Vertex { .. } | Form::Geometry | Form::Uniforms | Form::Constants, _) => {
+        (Form::Vertex { .. } | Form::Geometry | Form::Uniforms | Form::Constants | Form::Dispatch { .. }, _) => {
             return Err(unsupported("inputs of this kind; it feeds attributes and uniforms"));
         }
     };

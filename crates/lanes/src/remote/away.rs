@@ -125,6 +125,10 @@ impl Lane for Away {
         &self.description
     }
 
+    fn dispatches(&self) -> bool {
+        self.front.dispatches()
+    }
+
     fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
         let mut writer = Writer::default();
         match self.front.work(kernel)? {

@@ -34,6 +34,11 @@ pub trait Front {
     /// # Errors
     /// [`LaneError`] where the kernel is not for this lane, or cannot be translated.
     fn work(&self, kernel: &Kernel) -> Result<Work, LaneError>;
+
+    /// True for one that takes whole dispatches of a compute stage.
+    fn dispatches(&self) -> bool {
+        false
+    }
 }
 
 /// Runs work.
@@ -64,6 +69,10 @@ impl Here {
 impl Lane for Here {
     fn description(&self) -> &Description {
         self.engine.description()
+    }
+
+    fn dispatches(&self) -> bool {
+        self.front.dispatches()
     }
 
     fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {

@@ -1,6 +1,7 @@
 //! The `vulkan` lanes: every device that the Vulkan loader shows, through wgpu, in the compute and in the vertex stage.
 
 mod compute;
+mod dispatch;
 mod gpu;
 mod texture;
 mod uniforms;
@@ -184,6 +185,9 @@ impl Engine for Vulkan {
             Form::Vertex { .. } if !self.description.stages.contains(&Stage::Vertex) => {
                 Err(LaneError::Unsupported("this device cannot write storage buffers in the vertex stage".to_owned()))
             }
+            Form::Dispatch { groups, buffers } => {
+                Ok(Box::new(dispatch::DispatchRunner::new(&self.gpu, job, *groups, buffers, capacity)?))
+            }
             Form::Geometry => Err(LaneError::Unsupported("geometry stages; they run as compute".to_owned())),
             Form::Vertex { attributes, blocks, drawn } => {
                 Ok(Box::new(vertex::VertexRunner::new(&self.gpu, job, (attributes, blocks, drawn), capacity)?))
@@ -213,6 +217,10 @@ pub struct Job {
 pub(super) struct Naga;
 
 impl Front for Naga {
+    fn dispatches(&self) -> bool {
+        true
+    }
+
     fn work(&self, kernel: &Kernel) -> Result<Work, LaneError> {
         if matches!(kernel.form, Form::Geometry) {
             return Err(LaneError::Unsupported("geometry stages; they run as compute".to_owned()));

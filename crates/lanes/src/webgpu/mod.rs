@@ -140,6 +140,7 @@ impl Lane for WebGpu {
             Form::Compute | Form::Uniforms => {}
             Form::Constants => return unsupported("inputs as constants: WGSL has no literal for NaN and infinities"),
             Form::Vertex { .. } => return unsupported("WebGPU writes no storage in the vertex stage"),
+            Form::Dispatch { .. } => return unsupported("whole dispatches of a compute stage"),
             Form::Geometry => return unsupported("geometry stages; they run as compute"),
         }
         Ok(Box::new(runner::WgslRunner::new(&self.remote, kernel, capacity)?))

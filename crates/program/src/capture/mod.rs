@@ -10,6 +10,7 @@
 mod author;
 mod builder;
 mod compute;
+mod dispatch;
 mod feed;
 mod geometry;
 mod trace;
@@ -24,6 +25,7 @@ use super::{Drawn, Program, ProgramError};
 use base::value::{Batch, Field, Record};
 
 pub(super) use builder::{Builder, add_global};
+pub use dispatch::BoundBuffer;
 pub use vertex::{Attribute, UniformBlock, UniformPlace};
 pub use words::shape_of;
 
@@ -185,6 +187,13 @@ pub enum Form {
     },
     /// For a lane that runs the geometry stage of its API; the module is that of [`Form::Compute`].
     Geometry,
+    /// A compute stage as its author wrote it: an invocation of a batch is a whole dispatch.
+    Dispatch {
+        /// Workgroups along x, y and z.
+        groups: [u32; 3],
+        /// What is bound.
+        buffers: Vec<BoundBuffer>,
+    },
 }
 
 impl Program {
@@ -193,6 +202,9 @@ impl Program {
     /// # Errors
     /// [`ProgramError::Unsupported`] when an input or output cannot be captured.
     pub fn compute_kernel(&self) -> Result<Kernel, ProgramError> {
+        if let Some(dispatched) = &self.dispatch {
+            return dispatch::kernel(self, dispatched);
+        }
         compute::kernel(self, feed::Feed::Storage)
     }
 

@@ -310,6 +310,11 @@ pub trait Lane {
         self.description().front_end.clone()
     }
 
+    /// True for a lane that runs whole dispatches of a compute stage.
+    fn dispatches(&self) -> bool {
+        false
+    }
+
     /// True for a lane without compute that runs functions in its vertex stage.
     fn calls_functions(&self) -> bool {
         false

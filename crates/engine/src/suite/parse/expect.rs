@@ -75,14 +75,19 @@ fn recorded(root: Table<'_>) -> Option<RecordedFile> {
     of(file?, table, relative, absolute)
 }
 
+/// True for what can be the name of a macro.
+pub(super) fn is_macro(name: &str) -> bool {
+    let mut letters = name.chars();
+    let starts = letters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_');
+    starts && letters.all(|c| c.is_ascii_alphanumeric() || c == '_') && !name.starts_with("GL_")
+}
+
 /// `[defines]`: each macro with a value or a list of them. `true` defines it as 1, `false` leaves it out.
 pub(super) fn defines(root: Table<'_>) -> Vec<Define> {
     let Some(table) = root.table("defines", "[defines]") else { return Vec::new() };
     let mut all: Vec<Define> = Vec::new();
     for At { value: name, offset } in table.keys() {
-        let mut letters = name.chars();
-        let starts = letters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_');
-        if !starts || !letters.all(|c| c.is_ascii_alphanumeric() || c == '_') || name.starts_with("GL_") {
+        if !is_macro(name) {
             table.reader.problem(offset, format!("`{name}` cannot be the name of a macro"));
             continue;
         }

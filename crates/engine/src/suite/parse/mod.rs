@@ -1,5 +1,6 @@
 //! From the text of a suite file to a [`Suite`].
 
+mod dispatch;
 mod expect;
 mod laws;
 
@@ -17,7 +18,7 @@ use super::textures::WORDS;
 use super::{BoundTexture, Contents, Floors, Includes, Stage, Suite, SuiteError};
 use disk::table::{At, Reader, Table};
 
-const KEYS: [&str; 21] = [
+const KEYS: [&str; 22] = [
     "suite",
     "title",
     "shader",
@@ -39,6 +40,7 @@ const KEYS: [&str; 21] = [
     "literals",
     "textures",
     "strands",
+    "dispatch",
 ];
 const INPUT_KEYS: [&str; 5] = ["names", "generator", "range", "components", "values"];
 /// Largest numbers that are taken for intended: 2^32 samples, 2^20 invocations of a case.
@@ -50,6 +52,8 @@ const PER_CASE: u64 = 16;
 pub(super) const UNDETERMINED: f64 = 0.05;
 /// Samples when a suite does not say.
 pub(super) const SAMPLES: u64 = 16384;
+/// Dispatches of each size when a suite does not say.
+pub(super) const DISPATCHES: u64 = 256;
 
 /// Names that a suite may use.
 #[derive(Clone, Debug)]
@@ -115,13 +119,15 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
     let expect = expect::expect(root, names, stage);
     let defines = expect::defines(root);
     let include = root.texts("include").into_iter().map(|folder| folder.value.into()).collect();
-    let samples = if root.has("samples") { root.whole("samples", 1, MOST_SAMPLES) } else { Some(SAMPLES) };
+    let usual = if stage == Some(Stage::Compute) { DISPATCHES } else { SAMPLES };
+    let samples = if root.has("samples") { root.whole("samples", 1, MOST_SAMPLES) } else { Some(usual) };
     let per_case = root.whole("per_case", 1, MOST_PER_CASE);
     let (relations, laws) = laws::relations(root, names);
     let floors = floors(root, samples);
     let literals = literals(root);
     let textures = textures(root);
     let strands = strands(root, stage);
+    let dispatch = dispatch::dispatch(root, stage);
     let inputs = inputs(root, strands);
     if root.has("strands") && inputs.iter().all(|group| group.generator.role() != Role::Strand) {
         let takers = catalogue::generators().filter(|generator| generator.role() == Role::Strand);
@@ -154,6 +160,7 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
         literals: literals?,
         textures,
         strands,
+        dispatch: dispatch.unwrap_or_default(),
         includes: Includes::of_suite(include),
         file: file.clone(),
     })
@@ -214,11 +221,11 @@ fn entries(root: Table<'_>, stage: Option<Stage>, modules: bool) -> Vec<String> 
             let name = root.required_text("entry", "entry = \"segment_distance\"");
             named(root, name.into_iter().collect()).into_iter().map(|name| name.value).collect()
         }
-        Some(Stage::Vertex | Stage::Fragment) if modules => {
+        Some(Stage::Vertex | Stage::Fragment | Stage::Compute) if modules => {
             let name = if root.has("entry") { root.text("entry") } else { None };
             named(root, name.into_iter().collect()).into_iter().map(|name| name.value).collect()
         }
-        Some(other @ (Stage::Vertex | Stage::Geometry | Stage::Fragment)) => {
+        Some(other @ (Stage::Vertex | Stage::Geometry | Stage::Fragment | Stage::Compute)) => {
             if root.has("entry") {
                 let message = format!("`entry` names a function; the stage `{}` starts at main", other.name());
                 root.reader.problem(root.offset_of("entry"), message);
@@ -281,7 +288,7 @@ fn floors(root: Table<'_>, samples: Option<u64>) -> Option<Floors> {
 
 fn strands(root: Table<'_>, stage: Option<Stage>) -> Option<Strands> {
     let table = root.table("strands", "[strands]")?.only(&["nodes", "ends"]);
-    if let Some(stage @ (Stage::Vertex | Stage::Fragment | Stage::Function)) = stage {
+    if let Some(stage @ (Stage::Vertex | Stage::Fragment | Stage::Compute | Stage::Function)) = stage {
         let message = format!("[strands] feed a geometry stage; this suite has the stage `{}`", stage.name());
         table.reader.problem(table.offset, message);
     }

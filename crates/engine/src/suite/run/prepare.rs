@@ -159,13 +159,13 @@ pub fn prepare_with(
         }
         source => RunError::Program { suite: name(), source },
     };
-    let mut program = program(suite, shader, suite.entry.as_deref()).map_err(captured)?;
+    let mut program = kernel(suite, shader).map_err(captured)?;
     super::super::textures::bind(suite, &mut program, true)
         .map_err(|source| RunError::Texture { suite: name(), source })?;
     let compute = program.compute_kernel().map_err(captured)?;
     let vertex = match suite.stage {
         Stage::Vertex => Some(program.vertex_kernel(&super::finding::components(suite, &program)).map_err(captured)?),
-        Stage::Geometry | Stage::Fragment | Stage::Function => None,
+        Stage::Geometry | Stage::Fragment | Stage::Compute | Stage::Function => None,
     };
     let geometry = (suite.stage == Stage::Geometry).then(|| program.geometry_kernel()).transpose().map_err(captured)?;
     let shader_name = || shader.name().to_owned();
@@ -207,6 +207,27 @@ pub fn prepare_with(
         geometry,
         reference,
     })
+}
+
+/// What a suite tests of its shader.
+fn kernel(suite: &Suite, shader: &SourceFile) -> Result<Program, ProgramError> {
+    if suite.stage != Stage::Compute {
+        return program(suite, shader, suite.entry.as_deref());
+    }
+    let own = Suite { chosen: suite.dispatch.of_shader(&suite.chosen), ..suite.clone() };
+    suite.dispatch.apply(program(&own, shader, suite.entry.as_deref())?, &suite.chosen)
+}
+
+/// What a suite compares its shader with: a function, or another shader of the same stage.
+fn other(suite: &Suite, text: &SourceFile, function: Option<&str>) -> Result<Program, ProgramError> {
+    match function {
+        Some(function) if suite.stage == Stage::Compute => {
+            let of_function = Suite { stage: Stage::Function, ..suite.clone() };
+            program(&of_function, text, Some(function))
+        }
+        None if suite.stage == Stage::Compute => kernel(suite, text),
+        _ => program(suite, text, function.or(suite.entry.as_deref())),
+    }
 }
 
 /// What a suite runs of a text: its stage, or a function.
@@ -279,6 +300,7 @@ fn stage_of(suite: &Suite, shader: &SourceFile, function: Option<&str>) -> synta
         Stage::Vertex if function.is_none() => syntax::Stage::Vertex,
         Stage::Geometry if function.is_none() => syntax::Stage::Geometry,
         Stage::Fragment if function.is_none() => syntax::Stage::Fragment,
+        Stage::Compute => syntax::Stage::Compute,
         Stage::Vertex | Stage::Geometry | Stage::Fragment | Stage::Function => {
             syntax::Stage::from_path(shader.name()).unwrap_or(syntax::Stage::Library)
         }
@@ -307,7 +329,10 @@ fn expected(suite: &Suite, shader: &SourceFile, program: &Program) -> Result<Exp
             let text = text.as_ref().ok_or_else(|| unread(file))?;
             let entry = function.as_deref().or(suite.entry.as_deref());
             // Hosts put a version in front of a text, and a suite has no place for one.
-            let stage = stage_of(suite, text, entry);
+            let stage = match suite.stage {
+                Stage::Compute if function.is_some() => syntax::Stage::Library,
+                _ => stage_of(suite, text, entry),
+            };
             let first = || Some(syntax::Shader::parse(shader, stage_of(suite, shader, None)).shader.version().clone());
             let text = &match Written::of(text) {
                 Written::Glsl => syntax::fitting(text, stage, &suite.chosen, first),
@@ -315,7 +340,7 @@ fn expected(suite: &Suite, shader: &SourceFile, program: &Program) -> Result<Exp
                     text.clone()
                 }
             };
-            let mut model = self::program(suite, text, entry).map_err(|source| {
+            let mut model = other(suite, text, function.as_deref()).map_err(|source| {
                 let source = match source {
                     ProgramError::Source(found) => {
                         ProgramError::Source(found.into_iter().map(|d| suite.includes.explained(d)).collect())

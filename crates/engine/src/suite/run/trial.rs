@@ -122,7 +122,7 @@ impl<'a> Trial<'a> {
         let widest = kernel.output.words().max(kernel.invocation.words()).max(kernel.case.words()).max(1);
         let capacity = most.min(BATCH_WORDS / widest).max(1);
         let stage = match kernel.form {
-            Form::Compute | Form::Uniforms | Form::Constants => Stage::Compute,
+            Form::Compute | Form::Uniforms | Form::Constants | Form::Dispatch { .. } => Stage::Compute,
             Form::Vertex { .. } => Stage::Vertex,
             Form::Geometry => Stage::Geometry,
         };

@@ -6,7 +6,9 @@ use super::{Reader, Wire, Writer, tag, wire};
 use crate::{native, vulkan};
 use base::value::{Field, Record, Scalar, Shape};
 use program::texture::{Dimension, Image, Texel, TextureKind};
-use program::{Attribute, Count, Drawn, Form, OutputLayout, Primitives, Texture, UniformBlock, UniformPlace};
+use program::{
+    Attribute, BoundBuffer, Count, Drawn, Form, OutputLayout, Primitives, Texture, UniformBlock, UniformPlace,
+};
 use syntax::interface::{InputPrimitive, OutputPrimitive};
 
 wire! { enum Scalar { F32, I32, U32, Bool } }
@@ -17,8 +19,9 @@ wire! { struct Attribute { field, location, components } }
 wire! { enum Count { Vertex, Instance, BaseVertex, BaseInstance, Draw } }
 wire! { struct Drawn { name, count, word } }
 wire! { struct UniformPlace { word, byte } }
+wire! { struct BoundBuffer { group, binding, bytes, uniform, writable, before, after } }
 wire! { struct UniformBlock { bytes, places } }
-wire! { enum Form { Compute, Uniforms, Constants, Vertex { attributes, blocks, drawn }, Geometry } }
+wire! { enum Form { Compute, Uniforms, Constants, Vertex { attributes, blocks, drawn }, Geometry, Dispatch { groups, buffers } } }
 wire! { enum Dimension { D1, D2, D3, Cube } }
 wire! { enum Texel { Float, Int, Uint, Depth } }
 wire! { struct TextureKind { dimension, arrayed, texel } }

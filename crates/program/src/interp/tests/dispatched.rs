@@ -1,7 +1,7 @@
 //! Whole dispatches as one program, against values derived without it.
 
 use super::super::{Binary64, FUEL, HazardKind, compile};
-use crate::{Chosen, Dispatch, ModuleText, Program, Written};
+use crate::{Chosen, Dispatch, Form, ModuleText, Program, Written};
 use base::text::SourceFile;
 use base::value::Batch;
 use std::sync::Arc;
@@ -83,9 +83,10 @@ fn atomic_functions_and_members_of_structures_are_fed_and_read() {
     words.extend((1..=9).map(|k| (k as f32).to_bits()));
     let meaning = compile(&program).unwrap().run::<Binary64>(&batch(&program, words), FUEL).unwrap();
     assert_eq!(meaning.vertex(0, 0), [11.0, 2.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0]);
-    let buffer = &program.dispatch.as_ref().unwrap().buffers[0];
-    assert_eq!(buffer.words, [0, 4, 16, 20, 24, 32, 36, 40, 48, 52, 56]);
-    assert_eq!(buffer.bytes, 64);
+    let Form::Dispatch { buffers, .. } = program.compute_kernel().unwrap().form else { panic!("a dispatch") };
+    let places: Vec<u32> = buffers[0].before.iter().map(|place| place.byte).collect();
+    assert_eq!(places, [0, 4, 16, 20, 24, 32, 36, 40, 48, 52, 56]);
+    assert_eq!((buffers[0].bytes, &buffers[0].after), (64, &buffers[0].before));
 }
 
 #[test]
