@@ -1,8 +1,7 @@
 //! What the machine runs: scalar instructions on registers, in structured blocks.
 //!
-//! There are two files of registers: real numbers, kept by the domain, and words. A register is one
-//! column, a value for each slot. Variables have registers of their own, one for each scalar of their
-//! type; calls are expanded in place, which gives every variable a fixed one.
+//! There are two files of registers: real numbers, kept by the domain, and words. A register is one column, a value
+//! for each slot. Each scalar of a variable has a register of its own, which is fixed, since calls are expanded in place.
 
 use std::collections::HashSet;
 use std::sync::Arc;

@@ -32,6 +32,9 @@ use crate::{Entry, PortAt, Texture};
 use base::value::Scalar;
 use layout::Layout;
 
+/// Bytes of a text.
+type TextRange = std::ops::Range<usize>;
+
 /// Where a value of the interface lies.
 #[derive(Clone, Debug)]
 pub struct Binding {
@@ -179,7 +182,7 @@ struct Compiler<'m> {
     /// Words that are known, by their registers.
     numbers: HashMap<Reg, u32>,
     /// Places of statements, where there are several invocations.
-    statements: HashMap<(Option<Handle<Function>>, Option<std::ops::Range<usize>>), Site>,
+    statements: HashMap<(Option<Handle<Function>>, Option<TextRange>), Site>,
 }
 
 impl<'m> Compiler<'m> {

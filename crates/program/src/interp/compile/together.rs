@@ -31,6 +31,9 @@ struct Invocation<'m> {
 
 type Own = HashMap<Handle<GlobalVariable>, Rc<[Register]>>;
 
+/// A call of a function, with its arguments and where its result goes.
+type Call<'m> = (Option<Handle<Function>>, &'m Function, &'m FunctionInfo, Vec<Value>, Rc<[Register]>);
+
 impl<'m> Compiler<'m> {
     /// The code of all workgroups.
     pub(super) fn dispatch(
@@ -113,12 +116,7 @@ impl<'m> Compiler<'m> {
     }
 
     /// Writes what invocations do from their calls of a function to its end. Gives their own variables back.
-    #[allow(clippy::type_complexity, reason = "a call of each invocation")]
-    fn all_of(
-        &mut self,
-        calls: Vec<(Option<Handle<Function>>, &'m Function, &'m FunctionInfo, Vec<Value>, Rc<[Register]>)>,
-        owns: Vec<Own>,
-    ) -> Result<(Vec<Inst>, Vec<Own>), InterpError> {
+    fn all_of(&mut self, calls: Vec<Call<'m>>, owns: Vec<Own>) -> Result<(Vec<Inst>, Vec<Own>), InterpError> {
         let Some(&(_, function, ..)) = calls.first() else { return Ok((Vec::new(), owns)) };
         let outside = std::mem::take(&mut self.code);
         let mut all = Vec::new();
