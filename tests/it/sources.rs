@@ -22,7 +22,7 @@ fn device() -> Box<dyn Lane> {
 
 fn source_of(form: &Form) -> InputSource {
     match form {
-        Form::Compute | Form::Geometry => InputSource::Storage,
+        Form::Compute | Form::Geometry | Form::Dispatch { .. } => InputSource::Storage,
         Form::Uniforms => InputSource::Uniforms,
         Form::Constants => InputSource::Constants,
         Form::Vertex { .. } => InputSource::Attributes,
