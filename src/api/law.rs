@@ -87,6 +87,31 @@ impl Law {
         Self::of(LawKind::Scales { inputs: list(inputs), degree })
     }
 
+    /// The order of the elements of these arrays, which move together, changes nothing.
+    pub fn unordered(inputs: impl IntoIterator<Item = impl Into<String>>) -> Self {
+        Self::of(LawKind::Unordered { inputs: list(inputs) })
+    }
+
+    /// The first elements of output arrays depend on as many first elements of these arrays alone.
+    pub fn prefix(inputs: impl IntoIterator<Item = impl Into<String>>) -> Self {
+        Self::of(LawKind::Prefix { inputs: list(inputs) })
+    }
+
+    /// The outputs are the elements of this array in ascending order.
+    pub fn sorts(input: impl Into<String>) -> Self {
+        Self::of(LawKind::Sorts { input: input.into(), rising: true })
+    }
+
+    /// The elements of each of so many equal rows of the outputs add up to `total`.
+    pub fn sums(total: f64, rows: usize) -> Self {
+        Self::of(LawKind::Sums { total, rows: rows.max(1) })
+    }
+
+    /// The outputs of a sum of these inputs are the sum of the outputs.
+    pub fn additive(inputs: impl IntoIterator<Item = impl Into<String>>) -> Self {
+        Self::of(LawKind::Additive { inputs: list(inputs) })
+    }
+
     /// The law is about these outputs alone; `return` is the value of a function.
     #[must_use]
     pub fn of_outputs(mut self, outputs: impl IntoIterator<Item = impl Into<String>>) -> Self {

@@ -181,6 +181,7 @@ fn suite(shader: &Shader) -> Result<Suite, Error> {
             file: other.file.name().to_owned(),
             function: other.function.clone(),
             output: other.output.clone(),
+            groups: Vec::new(),
             text: Some(other.file.clone()),
             at: "reference".to_owned(),
         })

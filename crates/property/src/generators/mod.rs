@@ -14,6 +14,7 @@ use super::stream::{Stream, mix};
 mod abreast;
 mod affine;
 mod arrange;
+mod array;
 mod constant;
 mod direction;
 mod drawn;
@@ -23,12 +24,14 @@ mod index;
 mod interval;
 pub mod matrix;
 mod nodes;
+mod permutation;
 mod point;
 mod projection;
 mod range;
 mod raw_weights;
 mod rigid;
 mod simplex;
+mod sorted;
 pub mod spatial;
 pub mod testing;
 mod vector;
@@ -60,6 +63,9 @@ pub fn all() -> &'static [&'static dyn Generator] {
         &projection::Projection,
         &nodes::Nodes,
         &index::Index,
+        &array::Array,
+        &sorted::Sorted,
+        &permutation::Permutation,
         &constant::Constant,
     ]
 }

@@ -18,6 +18,9 @@ fn example(name: &str) -> (Vec<Shape>, Options) {
         "rigid" | "affine" | "projection" => (vec![Shape::MAT4], bare),
         "nodes" => (vec![Shape::VEC3; 3], bare),
         "index" => (vec![Shape::INT], ranged(-3.0, 7.0)),
+        "array" => (vec![Shape::FLOAT.array_of(24), Shape::VEC2], ranged(-4.0, 9.0)),
+        "sorted" => (vec![Shape::FLOAT.array_of(16)], ranged(-3.0, 5.0)),
+        "permutation" => (vec![Shape::INT.array_of(9), Shape::INT.array_of(5)], bare),
         "constant" => (vec![Shape::VEC2], Options { values: vec![0.5, 2.0], ..bare }),
         other => panic!("add an example for `{other}`"),
     }

@@ -39,7 +39,12 @@ pub(super) fn bind(
         | LawKind::Unit
         | LawKind::Symmetric { .. }
         | LawKind::Rigid { .. }
-        | LawKind::Scales { .. } => None,
+        | LawKind::Scales { .. }
+        | LawKind::Unordered { .. }
+        | LawKind::Prefix { .. }
+        | LawKind::Sorts { .. }
+        | LawKind::Sums { .. }
+        | LawKind::Additive { .. } => None,
     };
     let width = seen.iter().map(|f| f.shape.words()).sum();
     Ok(Own::Shared(Arc::new(BoundLaw { kind: law.kind.clone(), name, statement, outputs, width, range })))
@@ -86,7 +91,14 @@ impl Binder<'_> {
             match aim {
                 Some(aim) if asked || self.law.outputs.is_empty() => all.push((field.clone(), at, aim)),
                 None if asked => {
-                    let wanted = if self.law.kind == LawKind::Unit { "float vectors" } else { "floats" };
+                    let wanted = match &self.law.kind {
+                        LawKind::Unit => "float vectors".to_owned(),
+                        LawKind::Unordered { .. } => "numbers".to_owned(),
+                        LawKind::Prefix { .. } => "arrays with as many elements as its inputs".to_owned(),
+                        LawKind::Sorts { input, .. } => format!("arrays of the type of `{input}`"),
+                        LawKind::Sums { rows, .. } => format!("arrays that make {rows} equal rows"),
+                        _ => "floats".to_owned(),
+                    };
                     return self.wrong(format!("is about {wanted}, and `{} {}` is none", field.shape, field.name));
                 }
                 Some(_) | None => {}
@@ -118,8 +130,23 @@ impl Binder<'_> {
             | LawKind::Range { .. }
             | LawKind::Symmetric { .. }
             | LawKind::Rigid { .. }
-            | LawKind::Scales { .. } => real.then_some(Aim::Plain),
+            | LawKind::Scales { .. }
+            | LawKind::Additive { .. } => real.then_some(Aim::Plain),
+            // Whole numbers are elements too.
+            LawKind::Unordered { .. } => (scalar != Scalar::Bool).then_some(Aim::Plain),
+            LawKind::Prefix { inputs } => (self.elements(inputs) == Some(field.shape.elements())).then_some(Aim::Plain),
+            LawKind::Sorts { input, .. } => {
+                let sorted = self.inputs.iter().find(|of| of.name == *input);
+                sorted.is_some_and(|of| of.shape == field.shape).then_some(Aim::Plain)
+            }
+            LawKind::Sums { rows, .. } => field.shape.words().is_multiple_of(*rows).then_some(Aim::Plain),
         }
+    }
+
+    /// Elements of the first of these inputs.
+    fn elements(&self, inputs: &[String]) -> Option<usize> {
+        let name = inputs.first()?;
+        self.inputs.iter().find(|field| field.name == *name).map(|field| field.shape.elements())
     }
 
     /// Refuses inputs that the law cannot be about.
@@ -128,7 +155,8 @@ impl Binder<'_> {
             LawKind::Odd { inputs }
             | LawKind::Even { inputs }
             | LawKind::Periodic { inputs, .. }
-            | LawKind::Scales { inputs, .. } => {
+            | LawKind::Scales { inputs, .. }
+            | LawKind::Additive { inputs } => {
                 for name in inputs {
                     let Field { name, shape } = self.input(name)?;
                     if shape.scalar != Scalar::F32 {
@@ -154,7 +182,26 @@ impl Binder<'_> {
                 }
             }
             LawKind::Rigid { points, directions, .. } => return self.rigid(points, directions),
-            LawKind::Range { .. } | LawKind::Unit => {}
+            LawKind::Unordered { inputs } | LawKind::Prefix { inputs } => {
+                let len = self.input(&inputs[0])?.shape.elements();
+                for name in inputs {
+                    let Field { name, shape } = self.input(name)?;
+                    if shape.array.is_none() || shape.elements() != len {
+                        let other = &inputs[0];
+                        let message = format!(
+                            "is about arrays with as many elements as `{other}`, which has {len}; `{name}` is {shape}"
+                        );
+                        return self.wrong(message);
+                    }
+                }
+            }
+            LawKind::Sorts { input, .. } => {
+                let Field { name, shape } = self.input(input)?;
+                if shape.array.is_none() || shape.element_words() != 1 {
+                    return self.wrong(format!("is about an array of numbers, and `{shape} {name}` is none"));
+                }
+            }
+            LawKind::Range { .. } | LawKind::Unit | LawKind::Sums { .. } => {}
         }
         Ok(())
     }
@@ -184,10 +231,13 @@ impl Binder<'_> {
             | LawKind::Even { inputs }
             | LawKind::Periodic { inputs, .. }
             | LawKind::Symmetric { inputs }
-            | LawKind::Scales { inputs, .. } => inputs.join(", "),
-            LawKind::Monotone { input, .. } => input.clone(),
+            | LawKind::Scales { inputs, .. }
+            | LawKind::Unordered { inputs }
+            | LawKind::Prefix { inputs }
+            | LawKind::Additive { inputs } => inputs.join(", "),
+            LawKind::Monotone { input, .. } | LawKind::Sorts { input, .. } => input.clone(),
             LawKind::Rigid { points, directions, .. } => [points.as_slice(), directions].concat().join(", "),
-            LawKind::Range { .. } | LawKind::Unit => self.law.outputs.join(", "),
+            LawKind::Range { .. } | LawKind::Unit | LawKind::Sums { .. } => self.law.outputs.join(", "),
         };
         let name = self.law.kind.name();
         if of.is_empty() { name.to_owned() } else { format!("{name}({of})") }
@@ -207,6 +257,19 @@ impl Binder<'_> {
             LawKind::Rigid { .. } => "turning and shifting the inputs turns and shifts the output with them".to_owned(),
             LawKind::Scales { inputs, degree } => {
                 format!("scaling {} by k scales the output by k to the power of {degree}", list(inputs))
+            }
+            LawKind::Unordered { inputs } => format!("the order of the elements of {} changes nothing", list(inputs)),
+            LawKind::Prefix { inputs } => {
+                format!("the first elements of the output depend on as many first ones of {} alone", list(inputs))
+            }
+            LawKind::Sorts { input, rising: true } => format!("the output is `{input}` in ascending order"),
+            LawKind::Sorts { input, rising: false } => format!("the output is `{input}` in descending order"),
+            LawKind::Sums { total, rows: 1 } => format!("the elements of the output add up to {total:?}"),
+            LawKind::Sums { total, rows } => {
+                format!("the elements of each of {rows} rows of the output add up to {total:?}")
+            }
+            LawKind::Additive { inputs } => {
+                format!("the output of a sum of {} is the sum of the outputs", list(inputs))
             }
         }
     }

@@ -1,6 +1,6 @@
 //! A law on samples: which inputs it wants to see, and what must hold between the outputs.
 
-use super::LawKind;
+use super::{LawKind, arrays};
 use crate::ball::{Ball, output};
 use crate::rule::{Claims, Exact, hash, on_grid, put, with};
 use crate::{Claim, Observed, Relation, Sample, decode, encode};
@@ -140,6 +140,11 @@ impl BoundLaw {
                 })?;
                 Some(vec![first, second])
             }
+            kind @ (LawKind::Unordered { .. }
+            | LawKind::Prefix { .. }
+            | LawKind::Sorts { .. }
+            | LawKind::Sums { .. }
+            | LawKind::Additive { .. }) => arrays::related(kind, sample),
         }
     }
 
@@ -213,6 +218,11 @@ impl BoundLaw {
                     (0..part).for_each(|k| claims.equal(name(element + k), ball(1, element + k), after[k]));
                 }
             }
+            kind @ (LawKind::Unordered { .. }
+            | LawKind::Prefix { .. }
+            | LawKind::Sorts { .. }
+            | LawKind::Sums { .. }
+            | LawKind::Additive { .. }) => arrays::claim(kind, field, inputs, &ball, claims),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Laws: relations that need no more than the names of inputs and outputs, for any shader.
 
+mod arrays;
 mod bind;
 mod bound;
 
@@ -76,16 +77,74 @@ pub enum LawKind {
         /// The power.
         degree: i32,
     },
+    /// The order of the elements of these arrays, which move together, changes nothing.
+    Unordered {
+        /// Names of arrays with so many elements each.
+        inputs: Vec<String>,
+    },
+    /// The first elements of output arrays depend on as many first elements of these arrays alone.
+    Prefix {
+        /// Names of arrays with so many elements each.
+        inputs: Vec<String>,
+    },
+    /// The output arrays are the elements of an input in order.
+    Sorts {
+        /// The array.
+        input: String,
+        /// True for an order in which elements do not fall.
+        rising: bool,
+    },
+    /// The elements of each output array, or of each of its rows, add up to a number.
+    Sums {
+        /// What they add up to.
+        total: f64,
+        /// Equal parts of the array.
+        rows: usize,
+    },
+    /// The output of a sum of inputs is the sum of the outputs.
+    Additive {
+        /// Names of inputs that change together.
+        inputs: Vec<String>,
+    },
 }
 
 impl LawKind {
     /// The names of all kinds, as suites write them.
-    pub const NAMES: [&str; 9] =
-        ["odd", "even", "periodic", "monotone", "range", "unit", "symmetric", "rigid", "scales"];
+    pub const NAMES: [&str; 14] = [
+        "odd",
+        "even",
+        "periodic",
+        "monotone",
+        "range",
+        "unit",
+        "symmetric",
+        "rigid",
+        "scales",
+        "unordered",
+        "prefix",
+        "sorts",
+        "sums",
+        "additive",
+    ];
 
     /// Name, as suites write it.
     pub fn name(&self) -> &'static str {
-        let [odd, even, periodic, monotone, range, unit, symmetric, rigid, scales] = Self::NAMES;
+        let [
+            odd,
+            even,
+            periodic,
+            monotone,
+            range,
+            unit,
+            symmetric,
+            rigid,
+            scales,
+            unordered,
+            prefix,
+            sorts,
+            sums,
+            additive,
+        ] = Self::NAMES;
         match self {
             Self::Odd { .. } => odd,
             Self::Even { .. } => even,
@@ -96,6 +155,11 @@ impl LawKind {
             Self::Symmetric { .. } => symmetric,
             Self::Rigid { .. } => rigid,
             Self::Scales { .. } => scales,
+            Self::Unordered { .. } => unordered,
+            Self::Prefix { .. } => prefix,
+            Self::Sorts { .. } => sorts,
+            Self::Sums { .. } => sums,
+            Self::Additive { .. } => additive,
         }
     }
 }
