@@ -200,11 +200,12 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     if args.strict_literals {
         selected.iter_mut().for_each(|one| one.suite.literals = Literals::Exact);
     }
-    if selected.len() != 1 {
-        for (given, option) in [(args.shader.is_some(), "--shader"), (args.case.is_some(), "--case")] {
-            anyhow::ensure!(!given, "{option} needs exactly one suite, and {} are chosen", selected.len());
-        }
-    }
+    let count = selected.len();
+    anyhow::ensure!(args.case.is_none() || count == 1, "--case needs exactly one suite, and {count} are chosen");
+    // A suite once for each of its variants is about one shader.
+    let one =
+        selected.first().is_some_and(|first| selected.iter().all(|of| of.suite.file.name() == first.suite.file.name()));
+    anyhow::ensure!(args.shader.is_none() || one, "--shader needs exactly one suite, and {count} are chosen");
     let profile = Choice::new(args.profile.as_deref())?;
     let expectations = RunExpectations::new(args, &selected)?;
     let mut summary = Summary { seed: args.seed, ..Summary::default() };

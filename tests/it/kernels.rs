@@ -140,3 +140,76 @@ fn what_is_not_judged_is_told() {
         assert!(ran.out.contains(told), "{told}\n{text}\n{}{}", ran.out, ran.err);
     }
 }
+
+/// Wrong twins of the kernels in `shaders/kernels`: the suite in one size, and a part of what is reported.
+const TWINS: [(&str, &str, &str); 15] = [
+    ("sum_zeros", "sum.suite.toml[N=63]", "the shader deviates from its reference: `total[0]` is 0.0"),
+    ("sum_tail", "sum.suite.toml[N=65]", "the shader deviates from its reference: `total[0]` is"),
+    ("sum_barrier", "sum.suite.toml[N=64]", "sum_barrier.comp:18:28: race on `part["),
+    ("dot_copy", "dot.suite.toml[N=31]", "the shader deviates from its reference: `product[0]` is"),
+    ("scan_off_by_one", "scan.suite.toml[N=1]", "the shader deviates from its reference: `sums[0]` is 0, expected 1"),
+    // Two blocks are summed right, three are not.
+    ("scan_carry", "scan.suite.toml[N=129]", "the shader deviates from its reference: `sums[128]` is"),
+    ("histogram_race", "histogram.suite.toml[N=31]", "histogram_race.comp:17:9: race on `counts["),
+    ("softmax_accumulates", "softmax.suite.toml[N=1,ROWS=3]", "the shader deviates from its reference: `shares[2]` is"),
+    (
+        "layer_norm_stride",
+        "layer_norm.suite.toml[N=31,ROWS=2]",
+        "layer_norm_stride.comp:43:9: race on `Normed.normed[30]`",
+    ),
+    ("matrix_product_stride", "matrix_product.suite.toml[K=9,M=1,N=7]", "the shader gives an undefined value: `b["),
+    ("bitonic_sort_barrier", "bitonic_sort.suite.toml[N=2]", "race on `own["),
+    ("bitonic_sort_loses", "bitonic_sort.suite.toml[N=2]", "the relation `sorts(keys)` does not hold"),
+    ("blur_beyond", "blur.suite.toml[HEIGHT=2,WIDTH=31]", "the shader gives an undefined value: `source["),
+    ("particles_order", "particles.suite.toml[N=31]", "particles_order.comp:19:5: race on `Positions.positions[0].x`"),
+    ("skinning_first", "skinning.suite.toml[N=1]", "the shader deviates from its reference: `skinned[0]"),
+];
+
+#[test]
+fn suites_of_kernels_find_each_wrong_twin() {
+    for (twin, suite, reported) in TWINS {
+        let shader = format!("fixtures/kernels/twins/{twin}.comp");
+        let command = format!("check shaders/kernels/{suite} --shader {shader} --lane embedded --samples 16");
+        let ran = run_in(root(), &command).expect(1);
+        assert!(ran.out.contains(reported), "{twin}\n{}", ran.out);
+    }
+    let all: BTreeSet<String> = fs::read_dir(root().join("fixtures/kernels/twins"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().trim_end_matches(".comp").to_owned())
+        .collect();
+    assert_eq!(all, TWINS.iter().map(|(twin, ..)| (*twin).to_owned()).collect());
+}
+
+#[test]
+fn kernels_without_a_fault_pass_on_the_interpreter_and_on_a_device() {
+    for lane in ["embedded", "vulkan"] {
+        let ran = run_in(root(), &format!("check shaders/kernels --lane {lane} --samples 16")).expect(0);
+        let passed = ran.out.lines().filter(|line| line.starts_with("ok ")).count();
+        assert_eq!(passed, 88, "{lane}\n{}", ran.out);
+        assert!(ran.out.contains(" 0 deviated"), "{}", ran.out);
+    }
+}
+
+#[test]
+fn numbers_of_a_dispatch_that_have_no_value_are_reported_with_their_place() {
+    let shader = "#version 450\nlayout(local_size_x = 1) in;\nlayout(std430, binding = 0) buffer V { float v[]; };\n\
+        void main() { v[0] = 1.0; }\n";
+    let refused = |dispatch: &str, inputs: &str, reported: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("a.comp"), shader).unwrap();
+        let suite = format!("suite = \"a\"\nshader = \"a.comp\"\nstage = \"compute\"\n{dispatch}\n{inputs}");
+        fs::write(folder.path().join("a.suite.toml"), suite).unwrap();
+        let ran = run_in(folder.path(), "check a.suite.toml --lane embedded").expect(2);
+        let all = format!("{}{}", ran.out, ran.err);
+        assert!(all.contains(reported), "{reported}\n{all}");
+    };
+    let values = "[[inputs]]\nnames = [\"v\"]\ngenerator = \"array\"\nrange = [0, \"M - 1\"]\n";
+    let dispatch = "[dispatch]\ngroups = 1\nlengths = { v = \"N\" }\nsizes = { N = [2] }";
+    refused("", "", "a compute stage needs a table [dispatch]");
+    refused(dispatch, values, "a.suite.toml:11:9: `M - 1`: `M` is no size; name it in [dispatch.sizes]");
+    refused("[dispatch]\ngroups = 0\nlengths = { v = 2 }", "", "a dispatch without workgroups");
+    refused("[dispatch]\ngroups = [1, 1, 1, 1]\nlengths = { v = 2 }", "", "three axes at most");
+    refused("[dispatch]\ngroups = 1\nlengths = { w = 2 }", "", "a length of `w`, which is no buffer");
+    refused("[dispatch]\ngroups = 1\nlengths = { v = 0 }", "", "without an element");
+    refused("[dispatch]\ngroups = 1", "", "the buffer `v` without a length");
+}

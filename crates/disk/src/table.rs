@@ -183,6 +183,37 @@ impl<'a> Table<'a> {
         self.value(key).is_some_and(|value| value.get_ref().as_str().is_some())
     }
 
+    /// True for a list that holds a text.
+    pub fn has_text_in(&self, key: &str) -> bool {
+        let list = self.value(key).and_then(|value| value.get_ref().as_array());
+        list.is_some_and(|list| list.iter().any(|item| item.get_ref().as_str().is_some()))
+    }
+
+    /// A text or a whole number, or a list of them, each as its text; empty when the key is missing.
+    pub fn terms(&self, key: &str) -> Vec<At<String>> {
+        let Some(value) = self.value(key) else { return Vec::new() };
+        let one = std::slice::from_ref(value);
+        let list: Vec<&Spanned<DeValue<'_>>> = match value.get_ref().as_array() {
+            Some(list) => list.iter().collect(),
+            None => one.iter().collect(),
+        };
+        if list.is_empty() {
+            self.reader.problem(value.span().start, format!("`{key}` has no values"));
+        }
+        let term = |item: &&Spanned<DeValue<'_>>| {
+            let value = match item.get_ref() {
+                DeValue::String(text) if !text.contains(['\n', '\r']) => text.to_string(),
+                DeValue::Integer(n) => n.as_str().to_owned(),
+                other => {
+                    self.wrong(key, item.span(), "a text of one line or a whole number", other);
+                    return None;
+                }
+            };
+            Some(At { value, offset: item.span().start })
+        };
+        list.iter().filter_map(term).collect()
+    }
+
     /// True for a key whose value is a table.
     pub fn is_table(&self, key: &str) -> bool {
         self.value(key).is_some_and(|value| value.get_ref().as_table().is_some())

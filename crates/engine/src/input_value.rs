@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use base::value::Shape;
 use program::Program;
 use property::{Sample, regressions};
 
@@ -48,9 +49,30 @@ impl InputValue {
         if self.is_identity() {
             return "identity".to_owned();
         }
+        if let Some(few) = self.few() {
+            return few;
+        }
         let rest = self.decimal.len().saturating_sub(SHOWN);
         let shown = self.decimal[..self.decimal.len() - rest].join(", ");
         if rest == 0 { shown } else { format!("{shown}, … ({rest} more)") }
+    }
+
+    /// Of a long array that was shrunk, the few elements that are not zero: `[61] = 1.0, others 0`.
+    pub fn few(&self) -> Option<String> {
+        let shape: Shape = self.name.split(' ').next()?.parse().ok()?;
+        shape.array.filter(|_| self.bits.len() > SHOWN)?;
+        let others: Vec<usize> = (0..self.bits.len()).filter(|&k| self.bits[k] != 0).collect();
+        if others.len() > SHOWN / 2 {
+            return None;
+        }
+        let each = usize::from(shape.columns) * usize::from(shape.rows);
+        let place = |k: usize| match each {
+            1 => format!("[{k}]"),
+            2..=4 if shape.columns == 1 => format!("[{}].{}", k / each, ["x", "y", "z", "w"][k % each]),
+            _ => format!("[{}] word {}", k / each, k % each),
+        };
+        let listed: Vec<String> = others.iter().map(|&k| format!("{} = {}", place(k), self.decimal[k])).collect();
+        Some(if listed.is_empty() { "all 0".to_owned() } else { format!("{}, others 0", listed.join(", ")) })
     }
 
     /// The name without its type.
@@ -74,6 +96,22 @@ impl InputValue {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn of_a_long_array_few_elements_are_shown() {
+        let input = |name: &str, set: &[usize], len: usize| InputValue {
+            name: name.to_owned(),
+            declared: String::new(),
+            bits: (0..len).map(|k| u32::from(set.contains(&k))).collect(),
+            decimal: (0..len).map(|k| u32::from(set.contains(&k)).to_string()).collect(),
+        };
+        assert_eq!(input("int[40] a", &[3, 39], 40).values(), "[3] = 1, [39] = 1, others 0");
+        assert_eq!(input("vec4[10] a", &[6], 40).few().unwrap(), "[1].z = 1, others 0");
+        assert_eq!(input("int[40] a", &[], 40).values(), "all 0");
+        let most: Vec<usize> = (0..9).collect();
+        assert_eq!(input("int[40] a", &most, 40).few(), None);
+        assert_eq!(input("int[4] a", &[1], 4).values(), "0, 1, 0, 0");
+    }
 
     #[test]
     fn only_the_identity_is_called_so() {

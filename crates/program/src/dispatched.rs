@@ -12,7 +12,7 @@ use naga::{
 };
 
 use super::memory::{inside, without_atomics};
-use super::{Entry, Port, PortAt, Program, ProgramError};
+use super::{Entry, Port, PortAt, Program, ProgramError, Written};
 use crate::contain::contain;
 use crate::read::parts;
 use base::value::Field;
@@ -38,8 +38,27 @@ pub struct Dispatched {
 impl Program {
     /// Names of the buffers that a dispatch takes, in order; true for those that are as long as their host makes them.
     pub fn buffers(&self) -> Vec<(String, bool)> {
-        let name = |m: &super::memory::Memory| self.module.global_variables[m.global].name.clone().unwrap_or_default();
-        self.memory.iter().map(|memory| (name(memory), memory.open)).collect()
+        self.memory.iter().map(|memory| (self.buffer_name(memory), memory.open)).collect()
+    }
+
+    /// The author's name of a buffer: of a block of GLSL without a name for its members, that of the array at its end.
+    fn buffer_name(&self, memory: &super::memory::Memory) -> String {
+        let variable = &self.module.global_variables[memory.global];
+        let last = self.bare_members(memory).filter(|_| memory.open).and_then(|members| members.last());
+        last.and_then(|member| member.name.clone()).or_else(|| variable.name.clone()).unwrap_or_default()
+    }
+
+    /// Members of a block of GLSL that its author uses without a name before them.
+    fn bare_members(&self, memory: &super::memory::Memory) -> Option<&[StructMember]> {
+        let variable = &self.module.global_variables[memory.global];
+        let ty = &self.module.types[variable.ty];
+        // The type of a block with atomic members has a name of its own.
+        let block = ty.name.as_deref().map(|name| name.strip_suffix("_atomic").unwrap_or(name));
+        let bare = self.written == Written::Glsl && (variable.name.is_none() || variable.name.as_deref() == block);
+        match &ty.inner {
+            TypeInner::Struct { members, .. } if bare => Some(members),
+            _ => None,
+        }
     }
 
     /// The program as one whole dispatch.
@@ -76,6 +95,7 @@ impl Program {
             let Some(len) = NonZeroU32::new(len) else {
                 return refuse(format!("the buffer `{name}` without an element: a binding holds one at least"));
             };
+            let bare = self.bare_members(&memory).is_some();
             let ty = sized(&mut module, self.module.global_variables[memory.global].ty, len);
             module.global_variables[memory.global].ty = ty;
             let (mut found, mut unfed) = (Vec::new(), Vec::new());
@@ -89,7 +109,8 @@ impl Program {
                     [] => PortAt::Global(memory.global),
                     _ => PortAt::Part { global: memory.global, path: part.path.clone() },
                 };
-                let field = Field { name: part.name, shape: part.shape };
+                let own = part.name.strip_prefix(&name).and_then(|rest| rest.strip_prefix('.')).filter(|_| bare);
+                let field = Field { name: own.map_or(part.name.clone(), str::to_owned), shape: part.shape };
                 let port = Port { field, ty: inner, at, backing: None };
                 self.inputs.push(port.clone());
                 if memory.written {

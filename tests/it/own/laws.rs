@@ -119,6 +119,49 @@ const CASES: &[Case] = &[
         reported: "scaling `v` by k scales the output by k to the power of 2",
         smallest: &["vec2 v = 1.0, 0.0"],
     },
+    Case {
+        law: "{ kind = \"unordered\", inputs = [\"v\"] }",
+        inputs: &["v"],
+        right: "#version 150\nfloat f(float v[3]) { return v[0] + v[1] + v[2]; }",
+        wrong: "#version 150\nfloat f(float v[3]) { return v[0] + v[1] + 1.001 * v[2]; }",
+        reported: "the relation `unordered(v)` does not hold: the order of the elements of `v` changes nothing",
+        smallest: &["float[3] v = "],
+    },
+    Case {
+        law: "{ kind = \"prefix\", inputs = [\"v\"] }",
+        inputs: &["v"],
+        right: "#version 150\nfloat[3] f(float v[3]) { return float[3](v[0], v[0] + v[1], v[0] + v[1] + v[2]); }",
+        wrong: "#version 150\nfloat[3] f(float v[3]) { return float[3](v[0], v[0] + v[2], v[0] + v[1] + v[2]); }",
+        reported: "the first elements of the output depend on as many first ones of `v` alone; return[1] is",
+        smallest: &["float[3] v = "],
+    },
+    Case {
+        law: "{ kind = \"sorts\", inputs = [\"v\"] }",
+        inputs: &["v"],
+        right: "#version 150\nfloat[2] f(float v[2]) { return float[2](min(v[0], v[1]), max(v[0], v[1])); }",
+        // In order, but an element is lost.
+        wrong: "#version 150\nfloat[2] f(float v[2]) { return float[2](v[0], max(v[0], v[1])); }",
+        reported: "the relation `sorts(v)` does not hold: the output is `v` in ascending order; return[0] is",
+        smallest: &["float[2] v = "],
+    },
+    Case {
+        law: "{ kind = \"sums\", total = 1.0, rows = 2 }",
+        inputs: &["v"],
+        right: "#version 150\nfloat[4] f(float v[4]) { float a = exp(v[0]), b = exp(v[1]), c = exp(v[2]), d = exp(v[3]);\n\
+                return float[4](a / (a + b), b / (a + b), c / (c + d), d / (c + d)); }",
+        wrong: "#version 150\nfloat[4] f(float v[4]) { float a = exp(v[0]), b = exp(v[1]), c = exp(v[2]), d = exp(v[3]);\n\
+                return float[4](a / (a + b), b / (a + b), c / (c + d), d / (c + a)); }",
+        reported: "the elements of each of 2 rows of the output add up to 1.0; sum of return in row 1 is",
+        smallest: &["float[4] v = "],
+    },
+    Case {
+        law: "{ kind = \"additive\", inputs = [\"v\"] }",
+        inputs: &["v"],
+        right: "#version 150\nfloat f(float v[3]) { return v[0] - 2.0 * v[1] + 0.5 * v[2]; }",
+        wrong: "#version 150\nfloat f(float v[3]) { return v[0] - 2.0 * v[1] + 0.5 * abs(v[2]); }",
+        reported: "the output of a sum of `v` is the sum of the outputs",
+        smallest: &["float[3] v = "],
+    },
 ];
 
 #[test]
@@ -184,6 +227,11 @@ fn laws_that_fit_no_input_or_output_are_refused_with_their_place() {
         ("{ kind = \"scales\", inputs = [\"x\"], degree = 0.5 }", "`degree` is a whole number"),
         ("{ kind = \"range\" }", "missing key `range`"),
         ("{ kind = \"unit\", range = [0.0, 1.0] }", "unknown key `range`"),
+        ("{ kind = \"unordered\", inputs = [\"x\"] }", "is about arrays with as many elements as `x`"),
+        ("{ kind = \"sorts\", inputs = [\"v\"] }", "is about an array of numbers, and `vec2 v` is none"),
+        ("{ kind = \"sums\" }", "missing key `total`"),
+        ("{ kind = \"sums\", total = 1.0, rows = 3, outputs = [\"return\"] }", "arrays that make 3 equal rows"),
+        ("{ kind = \"additive\", inputs = [\"y\"] }", "names an input `y`"),
         ("3", "`relations` is a list of texts and tables"),
     ] {
         refused(law, reported);

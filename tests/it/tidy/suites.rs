@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::{Fault, File, expect_none, messages, project};
 
-const SHADERS: [&str; 4] = [".vert", ".geom", ".frag", ".glsl"];
+const SHADERS: [&str; 6] = [".vert", ".geom", ".frag", ".comp", ".glsl", ".wgsl"];
 
 /// Shaders that complete a program whose other stage is judged, each with its reason.
 const COMPANIONS: &[(&str, &str)] = &[
@@ -17,6 +17,7 @@ fn unmatched(files: &[File], companions: &[(&str, &str)]) -> Vec<Fault> {
     let mut faults = Vec::new();
     let mut judged = BTreeSet::new();
     for suite in below().filter(|file| file.path.ends_with(".suite.toml")) {
+        judged.extend(reference_of(suite));
         match shader_of(suite) {
             Ok(shader) if files.iter().any(|file| file.path == shader) => {
                 judged.insert(shader);
@@ -45,6 +46,15 @@ fn shader_of(suite: &File) -> Result<String, String> {
     let shader = table.get("shader").and_then(toml::Value::as_str).ok_or("it has no key `shader`")?;
     let folder = suite.path.rsplit_once('/').map_or("", |(folder, _)| folder);
     Ok(format!("{folder}/{shader}"))
+}
+
+/// The path of the shader that says what is right, where a suite names one.
+fn reference_of(suite: &File) -> Option<String> {
+    let table: toml::Table = suite.text.parse().ok()?;
+    let reference = table.get("reference")?;
+    let file = reference.as_str().or_else(|| reference.get("file")?.as_str())?;
+    let folder = suite.path.rsplit_once('/').map_or("", |(folder, _)| folder);
+    Some(format!("{folder}/{file}"))
 }
 
 #[test]

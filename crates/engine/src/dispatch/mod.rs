@@ -11,6 +11,7 @@
 
 mod host;
 mod run;
+mod stated;
 mod tell;
 
 use program::interp::group::{Depends, Uses};
@@ -18,6 +19,7 @@ use program::interp::{self, Executable};
 use program::{Program, Written};
 
 pub use run::run;
+pub use stated::open_meaning;
 
 /// Invocations of the largest workgroup that is run; devices have 1,024 at most, or a few more.
 const LARGEST: u64 = 1 << 11;

@@ -2,6 +2,8 @@
 
 use program::{Dispatch, Program, ProgramError};
 
+use property::InputGroup;
+
 use super::expect::{Define, Defines};
 
 /// The table `[dispatch]`.
@@ -13,12 +15,47 @@ pub struct Dispatching {
     pub groups: Vec<Count>,
     /// Elements of buffers that are as long as their host makes them.
     pub lengths: Vec<(String, Count)>,
+    /// Numbers of inputs that follow from sizes.
+    pub inputs: Vec<SizedInput>,
+}
+
+/// Numbers of a group of inputs that follow from sizes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SizedInput {
+    /// The group, by its place among those of the suite.
+    pub group: usize,
+    /// Its `values`; empty where they are plain numbers.
+    pub values: Vec<Count>,
+    /// Its `range`; empty where its ends are plain numbers.
+    pub range: Vec<Count>,
 }
 
 impl Dispatching {
     /// Of the macros of a variant, those that the shader itself gets: sizes are for its host and its reference.
     pub fn of_shader(&self, chosen: &Defines) -> Defines {
         chosen.iter().filter(|(name, _)| self.sizes.iter().all(|size| size.name != *name)).cloned().collect()
+    }
+
+    /// The first of all sizes.
+    pub fn first(&self) -> Defines {
+        let first = |size: &Define| Some((size.name.clone(), size.values.first()?.clone()?));
+        self.sizes.iter().filter_map(first).collect()
+    }
+
+    /// Gives groups of inputs the numbers that follow from these sizes. One without a value stays what it is for the first
+    /// of them, which is refused where the dispatch is made.
+    pub fn settle(&self, groups: &mut [InputGroup], chosen: &Defines) {
+        for sized in &self.inputs {
+            let numbers = |counts: &[Count]| counts.iter().map(|count| count.number(chosen).ok()).collect();
+            let (values, range): (Option<Vec<f64>>, Option<Vec<f64>>) = (numbers(&sized.values), numbers(&sized.range));
+            let Some(group) = groups.get_mut(sized.group) else { continue };
+            if let Some(values) = values.filter(|values| !values.is_empty()) {
+                group.options.values = values;
+            }
+            if let Some(&[lo, hi]) = range.as_deref() {
+                group.options.range = Some([lo, hi]);
+            }
+        }
     }
 
     /// A program as it is dispatched with these sizes.
@@ -52,13 +89,27 @@ impl Count {
     /// # Errors
     /// What is wrong with it, with its place.
     pub fn value(&self, sizes: &Defines) -> Result<u32, String> {
+        let value = self.whole(sizes)?;
+        let unfit = |_| format!("{}: `{}`: {value} is no number of elements or workgroups", self.at, self.text);
+        u32::try_from(value).map_err(unfit)
+    }
+
+    /// Its value as a number, which may be negative.
+    ///
+    /// # Errors
+    /// What is wrong with it, with its place.
+    pub fn number(&self, sizes: &Defines) -> Result<f64, String> {
+        self.whole(sizes).map(|value| value as f64)
+    }
+
+    fn whole(&self, sizes: &Defines) -> Result<i64, String> {
         let told = |what: String| format!("{}: `{}`: {what}", self.at, self.text);
         let mut reader = Reader { rest: &self.text, sizes, depth: 0 };
         let value = reader.sum().map_err(told)?;
         if !reader.rest.trim_start().is_empty() {
             return Err(told(format!("`{}` is not expected here", reader.rest.trim())));
         }
-        u32::try_from(value).map_err(|_| told(format!("{value} is no number of elements or workgroups")))
+        Ok(value)
     }
 }
 

@@ -1,5 +1,6 @@
 //! What a suite expects of its shader, and the variants of a shader that it runs.
 
+use super::dispatch::Count;
 use base::did_you_mean;
 use base::text::SourceFile;
 
@@ -36,6 +37,8 @@ pub struct ReferenceFile {
     pub function: Option<String>,
     /// The output that the value of the function stands for.
     pub output: Option<String>,
+    /// Of a compute stage, its workgroups along x, y and z; those of the suite where it states none.
+    pub groups: Vec<Count>,
     /// Its text; none before it has been read.
     pub text: Option<SourceFile>,
     /// Where the suite says it.

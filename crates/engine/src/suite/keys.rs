@@ -222,8 +222,17 @@ pub(super) const SECTIONS: &[Section] = &[
         keys: &[
             required("names", Form::Texts, "Names in the shader, in the order in which the generator takes them."),
             required("generator", Form::OneOf(generator_names), "How values are made."),
-            key("range", Form::Range, "Smallest and largest value."),
-            key("values", Form::Numbers, "For `constant`: one number for all components, or one for each."),
+            key(
+                "range",
+                Form::Range,
+                "Smallest and largest value; of a compute stage, also whole numbers by sizes: `[0, \"N - 1\"]`.",
+            ),
+            key(
+                "values",
+                Form::Numbers,
+                "For `constant`: one number for all components, or one for each; of a compute stage, also whole numbers by \
+                 sizes: `[\"N\"]`.",
+            ),
             key(
                 "components",
                 Form::Whole { least: 1, most: 4 },
@@ -238,6 +247,12 @@ pub(super) const SECTIONS: &[Section] = &[
             required("file", Form::Text, "The file, relative to this one."),
             key("function", Form::Text, "The function that is called. Its parameters are found by their names."),
             key("output", Form::Text, "The output that the value of the function stands for; needed for several."),
+            key(
+                "groups",
+                Form::Words,
+                "Of a compute stage, its workgroups along x, y and z; those of the suite without it. A plain loop over the \
+                 buffers has one workgroup of one invocation: `groups = 1`.",
+            ),
         ],
     },
     Section {
@@ -268,15 +283,17 @@ pub(super) const SECTIONS: &[Section] = &[
             key(
                 "inputs",
                 Form::Texts,
-                "Inputs that it is about; for `odd`, `even`, `periodic`, `monotone`, `symmetric`, `scales`.",
+                "Inputs that it is about; for all kinds but `range`, `unit`, `rigid` and `sums`.",
             ),
             key("period", Form::Number, "For `periodic`: a real number, with as many digits as it has."),
-            key("direction", Form::OneOf(directions), "For `monotone`."),
+            key("direction", Form::OneOf(directions), "For `monotone`, and for `sorts`: rising without it."),
             key("range", Form::Range, "For `range`: both ends belong to it."),
             key("points", Form::Texts, "For `rigid`: inputs and outputs that are points, and move with the motion."),
             key("directions", Form::Texts, "For `rigid`: inputs and outputs that are directions, and turn with it."),
             key("mirrored", Form::Flag, "For `rigid`: whether mirror images count; false without it."),
             key("degree", Form::Whole { least: -8, most: 8 }, "For `scales`: the power."),
+            key("total", Form::Number, "For `sums`: what elements add up to."),
+            key("rows", Form::Whole { least: 1, most: 1 << 20 }, "For `sums`: equal rows of the array; 1 without it."),
         ],
     },
     Section {
@@ -313,6 +330,11 @@ const LAWS: &[(&str, &str)] = &[
     ("symmetric", "exchanging `inputs` changes nothing: f(a, b) = f(b, a)"),
     ("rigid", "turning and shifting `points` and turning `directions` moves outputs named there, and no other"),
     ("scales", "inputs times k give outputs times k to the power of `degree`: f(kx) = k^n f(x)"),
+    ("unordered", "the order of the elements of `inputs`, arrays, changes nothing: a sum, a histogram"),
+    ("prefix", "the first k elements of output arrays depend on the first k elements of `inputs` alone: a scan"),
+    ("sorts", "the outputs are the elements of the array `inputs`, in ascending order or the one of `direction`"),
+    ("sums", "the elements of each output, or of each of its `rows`, add up to `total`: a softmax"),
+    ("additive", "the outputs of a sum of `inputs` are the sum of the outputs: f(x + y) = f(x) + f(y)"),
 ];
 
 /// The manual page of suite files.
@@ -430,6 +452,8 @@ fn object(section: &Section) -> Map<String, Value> {
 fn of(form: Form) -> Value {
     let text = || json!({ "type": "string", "minLength": 1 });
     let table = |title: &str| Value::Object(object(section(title)));
+    // Or an expression of sizes.
+    let number = json!({ "type": ["number", "string"] });
     match form {
         Form::Text => text(),
         Form::Texts => json!({ "type": "array", "items": text(), "uniqueItems": true }),
@@ -454,8 +478,8 @@ fn of(form: Form) -> Value {
                 "additionalProperties": { "anyOf": [word, { "type": "array", "items": word, "minItems": 1 }, range] },
             })
         }
-        Form::Range => json!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 }),
-        Form::Numbers => json!({ "type": "array", "items": { "type": "number" } }),
+        Form::Range => json!({ "type": "array", "items": number, "minItems": 2, "maxItems": 2 }),
+        Form::Numbers => json!({ "type": "array", "items": number }),
         Form::Flag => json!({ "type": "boolean" }),
         Form::OneOf(names) => json!({ "enum": names() }),
         Form::FileOr(title) => json!({ "anyOf": [text(), table(title)] }),

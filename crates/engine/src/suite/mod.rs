@@ -198,11 +198,14 @@ impl Suite {
         let variant = |entry: Option<&String>, words: Vec<String>, chosen: Defines| {
             let words: Vec<String> = entry.cloned().into_iter().chain(words).collect();
             let name = if words.is_empty() { String::new() } else { format!("[{}]", words.join(",")) };
+            let mut inputs = self.inputs.clone();
+            self.dispatch.settle(&mut inputs, &chosen);
             Self {
                 name: format!("{}{name}", self.name),
                 entry: entry.or(self.entry.as_ref()).cloned(),
                 defines: Vec::new(),
                 chosen,
+                inputs,
                 ..self.clone()
             }
         };

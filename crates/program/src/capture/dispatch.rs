@@ -46,7 +46,9 @@ pub(super) fn kernel(program: &Program, dispatched: &Dispatched) -> Result<Kerne
             let name = variable.name.as_deref().unwrap_or_default();
             return Err(ProgramError::Unsupported { what: format!("a dispatch with `{name}`, which has no binding") });
         };
-        let bytes = end(sized, variable.ty).max(4).next_multiple_of(4);
+        // A uniform buffer holds whole rows of 16 bytes.
+        let row = if uniform { 16 } else { 4 };
+        let bytes = end(sized, variable.ty).max(row).next_multiple_of(row);
         let (before, after) = (Vec::new(), Vec::new());
         let (group, binding) = (at.group, at.binding);
         buffers.push((handle, BoundBuffer { group, binding, bytes, uniform, writable, before, after }));

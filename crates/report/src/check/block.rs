@@ -59,6 +59,11 @@ fn case_text(text: &mut String, case: &Case, reported: bool) {
             continue;
         }
         let shown = bits.len().min(SHOWN);
+        if let Some(few) = input.few() {
+            let _ = writeln!(text, "  {label:<9}  {name}: {few}");
+            label = "";
+            continue;
+        }
         let more = if bits.len() > shown { format!(", … {} more", bits.len() - shown) } else { String::new() };
         let hex: Vec<String> = bits[..shown].iter().map(|b| format!("{b:08x}")).collect();
         let _ = writeln!(text, "  {label:<9}  {name} = {}{more}", decimal[..shown].join(", "));

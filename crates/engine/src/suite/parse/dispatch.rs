@@ -24,18 +24,11 @@ pub(super) fn dispatch(root: Table<'_>, stage: Option<Stage>) -> Option<Dispatch
         _ => {}
     }
     let table = root.table("dispatch", "[dispatch]")?.only(&["sizes", "groups", "lengths"]);
-    let counts = |table: Table<'_>, key: &str| -> Vec<Count> {
-        let at = table.reader.locate(table.offset_of(key));
-        table.words(key).into_iter().flatten().map(|text| Count { text, at: at.clone() }).collect()
-    };
     if !table.has("groups") {
         let message = "`groups` is missing: workgroups along x, y and z, such as groups = [\"(N + 63) / 64\"]";
         table.reader.problem(table.offset, message);
     }
-    let groups = counts(table, "groups");
-    if groups.len() > 3 {
-        table.reader.problem(table.offset_of("groups"), "workgroups lie along three axes at most");
-    }
+    let groups = groups(table);
     let mut lengths = Vec::new();
     if let Some(of) = table.has("lengths").then(|| table.table("lengths", "[dispatch.lengths]")).flatten() {
         for At { value: name, offset } in of.keys() {
@@ -46,17 +39,52 @@ pub(super) fn dispatch(root: Table<'_>, stage: Option<Stage>) -> Option<Dispatch
         }
     }
     let sizes = if table.has("sizes") { sizes(table) } else { Vec::new() };
-    let dispatching = Dispatching { sizes, groups, lengths };
+    let dispatching = Dispatching { sizes, groups, lengths, inputs: Vec::new() };
     // Counts that have no value are told here, for the first of all sizes.
-    let first = dispatching.sizes.iter().filter_map(|size| Some((size.name.clone(), size.values.first()?.clone()?)));
-    let first = first.collect();
+    let first = dispatching.first();
     for count in dispatching.groups.iter().chain(dispatching.lengths.iter().map(|(_, count)| count)) {
         if let Err(what) = count.value(&first) {
-            let what = what.strip_prefix(&format!("{}: ", count.at)).map_or(what.clone(), str::to_owned);
-            table.reader.problem(table.offset, what);
+            table.reader.problem(table.offset, unplaced(count, what));
         }
     }
     Some(dispatching)
+}
+
+/// Workgroups along three axes at most.
+pub(super) fn groups(table: Table<'_>) -> Vec<Count> {
+    let all = counts(table, "groups");
+    if all.len() > 3 {
+        table.reader.problem(table.offset_of("groups"), "workgroups lie along three axes at most");
+    }
+    all
+}
+
+/// Numbers by expressions of sizes.
+fn counts(table: Table<'_>, key: &str) -> Vec<Count> {
+    let terms = table.terms(key).into_iter();
+    terms.map(|At { value: text, offset }| Count { text, at: table.reader.locate(offset) }).collect()
+}
+
+/// Numbers of a group of inputs, such as `values = ["N"]` and `range = [0, "N - 1"]`: those for the first of all sizes, and
+/// for a compute stage the expressions from which those for other sizes follow.
+pub(super) fn numbers(table: Table<'_>, key: &str, dispatch: Option<&Dispatching>) -> (Vec<f64>, Vec<Count>) {
+    let Some(dispatch) = dispatch.filter(|_| table.has_text_in(key)) else {
+        return (table.numbers(key), Vec::new());
+    };
+    let (counts, first) = (counts(table, key), dispatch.first());
+    let value = |count: &Count| match count.number(&first) {
+        Ok(value) => value,
+        Err(what) => {
+            table.reader.problem(table.offset_of(key), unplaced(count, what));
+            0.0
+        }
+    };
+    (counts.iter().map(value).collect(), counts)
+}
+
+/// What is wrong with a count, for a reader that gives the place itself.
+fn unplaced(count: &Count, what: String) -> String {
+    what.strip_prefix(&format!("{}: ", count.at)).map_or(what.clone(), str::to_owned)
 }
 
 /// Sizes: whole numbers, or a range of which the awkward ones are taken.

@@ -1,6 +1,7 @@
 //! `formula`, `reference`, `recorded` and `defines`.
 
 use super::super::expect::{Define, Expect, RecordedFile, ReferenceFile};
+use super::dispatch::groups;
 use super::{Names, Stage, known};
 use disk::table::{At, Table};
 
@@ -33,9 +34,14 @@ fn reference(root: Table<'_>, stage: Option<Stage>) -> Option<ReferenceFile> {
     let at = root.reader.locate(root.offset_of("reference"));
     if root.is_text("reference") {
         let file = root.text("reference")?.value;
-        return Some(ReferenceFile { file, function: None, output: None, text: None, at });
+        return Some(ReferenceFile { file, function: None, output: None, groups: Vec::new(), text: None, at });
     }
-    let table = root.table("reference", "[reference]")?.only(&["file", "function", "output"]);
+    let table = root.table("reference", "[reference]")?.only(&["file", "function", "output", "groups"]);
+    let groups = groups(table);
+    if !groups.is_empty() && (stage != Some(Stage::Compute) || table.has("function")) {
+        let message = "`groups` is for a reference that is a compute stage";
+        table.reader.problem(table.offset_of("groups"), message);
+    }
     let file = table.required_text("file", "file = \"reference.glsl\"");
     let function = table.text("function");
     let output = table.text("output");
@@ -44,7 +50,7 @@ fn reference(root: Table<'_>, stage: Option<Stage>) -> Option<ReferenceFile> {
         table.reader.problem(output.offset, message);
     }
     let (function, output) = (function.map(|f| f.value), output.map(|o| o.value));
-    Some(ReferenceFile { file: file?.value, function, output, text: None, at })
+    Some(ReferenceFile { file: file?.value, function, output, groups, text: None, at })
 }
 
 /// `recorded = "vectors.csv"`, or a table that says how exact the record is.

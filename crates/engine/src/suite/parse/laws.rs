@@ -27,7 +27,9 @@ fn keys(kind: &str) -> &'static [&'static str] {
         "unit" => &[],
         "rigid" => &["points", "directions", "mirrored"],
         "scales" => &["inputs", "degree"],
-        // odd, even, symmetric
+        "sorts" => &["inputs", "direction"],
+        "sums" => &["total", "rows"],
+        // odd, even, symmetric, unordered, prefix, additive
         _ => &["inputs"],
     }
 }
@@ -46,19 +48,29 @@ fn law(table: Table<'_>) -> Option<Law> {
             LawKind::Periodic { inputs: inputs?, period: period? }
         }
         "monotone" => {
-            let (inputs, rising) = (inputs(table, 1), rising(table));
-            let mut inputs = inputs?;
-            if inputs.len() > 1 {
-                let message = "`inputs` of a monotone law names one input; state one law for each";
-                table.reader.problem(table.offset_of("inputs"), message);
-            }
-            LawKind::Monotone { input: inputs.swap_remove(0), rising: rising? }
+            let (input, rising) = (input(table, &kind), rising(table));
+            LawKind::Monotone { input: input?, rising: rising? }
         }
+        "sorts" => {
+            let (input, rising) =
+                (input(table, &kind), if table.has("direction") { rising(table) } else { Some(true) });
+            LawKind::Sorts { input: input?, rising: rising? }
+        }
+        "sums" => {
+            if !table.has("total") {
+                table.missing("total", "total = 1.0");
+            }
+            let (total, rows) = (table.number("total"), table.whole("rows", 1, MOST_ROWS));
+            LawKind::Sums { total: total?.value, rows: rows.unwrap_or(1) as usize }
+        }
+        "unordered" => LawKind::Unordered { inputs: inputs(table, 1)? },
+        "prefix" => LawKind::Prefix { inputs: inputs(table, 1)? },
+        "additive" => LawKind::Additive { inputs: inputs(table, 1)? },
         "range" => {
             if !table.has("range") {
                 table.missing("range", "range = [0.0, 1.0]");
             }
-            LawKind::Range { range: super::range(table)? }
+            LawKind::Range { range: super::range(table, table.numbers("range"))? }
         }
         "unit" => LawKind::Unit,
         "symmetric" => LawKind::Symmetric { inputs: inputs(table, 2)? },
@@ -81,6 +93,19 @@ fn law(table: Table<'_>) -> Option<Law> {
         }
     };
     Some(Law { kind, outputs, at })
+}
+
+/// Rows of an array at most.
+const MOST_ROWS: u64 = 1 << 20;
+
+/// The one input of a law.
+fn input(table: Table<'_>, kind: &str) -> Option<String> {
+    let mut inputs = inputs(table, 1)?;
+    if inputs.len() > 1 {
+        let message = format!("`inputs` of the law `{kind}` names one input; state one law for each");
+        table.reader.problem(table.offset_of("inputs"), message);
+    }
+    Some(inputs.swap_remove(0))
 }
 
 fn inputs(table: Table<'_>, least: usize) -> Option<Vec<String>> {

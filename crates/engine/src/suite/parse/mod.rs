@@ -13,9 +13,10 @@ use program::Written;
 use property::generators::{Ends, Generator, Options, RangeRule, Role, Strands};
 use property::{InputGroup, Own};
 
+use super::dispatch::SizedInput;
 use super::expect::hint;
 use super::textures::WORDS;
-use super::{BoundTexture, Contents, Floors, Includes, Stage, Suite, SuiteError};
+use super::{BoundTexture, Contents, Dispatching, Floors, Includes, Stage, Suite, SuiteError};
 use disk::table::{At, Reader, Table};
 
 const KEYS: [&str; 22] = [
@@ -127,8 +128,8 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
     let literals = literals(root);
     let textures = textures(root);
     let strands = strands(root, stage);
-    let dispatch = dispatch::dispatch(root, stage);
-    let inputs = inputs(root, strands);
+    let mut dispatch = dispatch::dispatch(root, stage);
+    let inputs = inputs(root, strands, dispatch.as_mut());
     if root.has("strands") && inputs.iter().all(|group| group.generator.role() != Role::Strand) {
         let takers = catalogue::generators().filter(|generator| generator.role() == Role::Strand);
         let takers: Vec<String> = takers.map(|generator| format!("{:?}", generator.name())).collect();
@@ -341,10 +342,14 @@ fn textures(root: Table<'_>) -> Vec<BoundTexture> {
     all
 }
 
-fn inputs(root: Table<'_>, strands: Option<Strands>) -> Vec<InputGroup> {
+fn inputs(root: Table<'_>, strands: Option<Strands>, mut dispatch: Option<&mut Dispatching>) -> Vec<InputGroup> {
     let mut groups: Vec<InputGroup> = Vec::new();
     for table in root.tables("inputs", "[[inputs]]") {
-        let Some(group) = input(table.only(&INPUT_KEYS), strands) else { continue };
+        let Some((group, mut sized)) = input(table.only(&INPUT_KEYS), strands, dispatch.as_deref()) else { continue };
+        if let Some(dispatch) = dispatch.as_mut().filter(|_| !(sized.values.is_empty() && sized.range.is_empty())) {
+            sized.group = groups.len();
+            dispatch.inputs.push(sized);
+        }
         for name in &group.names {
             if groups.iter().any(|g| g.names.contains(name)) {
                 table.reader.problem(table.offset_of("names"), format!("the input `{name}` is filled already"));
@@ -355,7 +360,11 @@ fn inputs(root: Table<'_>, strands: Option<Strands>) -> Vec<InputGroup> {
     groups
 }
 
-fn input(table: Table<'_>, strands: Option<Strands>) -> Option<InputGroup> {
+fn input(
+    table: Table<'_>,
+    strands: Option<Strands>,
+    dispatch: Option<&Dispatching>,
+) -> Option<(InputGroup, SizedInput)> {
     if !table.has("names") {
         table.missing("names", "names = [\"position\"]");
     }
@@ -368,14 +377,18 @@ fn input(table: Table<'_>, strands: Option<Strands>) -> Option<InputGroup> {
         let name = known(table, "generator", &given, catalogue::generators().map(Generator::name))?;
         catalogue::generator(&name)
     });
-    let range = range(table);
+    let (ends, sized_range) = dispatch::numbers(table, "range", dispatch);
+    let range = range(table, ends);
     if let Some(generator) = generator {
         fits(table, generator);
     }
     let components = table.whole("components", 1, 4).map(|n| n as u8);
-    let options = Options { range, values: table.numbers("values"), components, strands };
+    let (values, sized_values) = dispatch::numbers(table, "values", dispatch);
+    let options = Options { range, values, components, strands };
     let at = table.reader.locate(table.offset_of("names"));
-    Some(InputGroup { names: Some(names).filter(|n| !n.is_empty())?, generator: Own::Static(generator?), options, at })
+    let names = Some(names).filter(|n| !n.is_empty())?;
+    let group = InputGroup { names, generator: Own::Static(generator?), options, at };
+    Some((group, SizedInput { group: 0, values: sized_values, range: sized_range }))
 }
 
 /// Notes keys that the generator wants and lacks, or has no use for. Whether the values fit the
@@ -402,11 +415,11 @@ fn fits(table: Table<'_>, generator: &dyn Generator) {
     }
 }
 
-fn range(table: Table<'_>) -> Option<[f64; 2]> {
+/// The range of a group of inputs or a law, by the numbers that stand there.
+fn range(table: Table<'_>, numbers: Vec<f64>) -> Option<[f64; 2]> {
     if !table.has("range") {
         return None;
     }
-    let numbers = table.numbers("range");
     let offset = table.offset_of("range");
     let &[lo, hi] = numbers.as_slice() else {
         table.reader.problem(offset, "`range` is [lo, hi], two numbers");

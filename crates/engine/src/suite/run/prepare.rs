@@ -4,8 +4,11 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use crate::dispatch::open_meaning;
 use crate::suite::record::{self, Interface};
-use crate::suite::{Asked, Expect, Joined, RecordedFile, ReferenceFile, RunTextureError, Stage, Suite, read_module};
+use crate::suite::{
+    Asked, Count, Dispatching, Expect, Joined, RecordedFile, ReferenceFile, RunTextureError, Stage, Suite, read_module,
+};
 use base::diagnostic::Diagnostic;
 use base::text::SourceFile;
 use compose::Options;
@@ -15,7 +18,7 @@ use lanes::Stage as LaneStage;
 use program::lower::Target;
 use program::{Chosen, Kernel, ModuleText, Program, ProgramError, Written};
 use property::law::LawError;
-use property::{Own, Plan, PlanError, Relation, Sample};
+use property::{Own, Plan, PlanError, Relation, Sample, Sampler};
 
 /// Why a suite cannot be run.
 #[derive(Debug, Error)]
@@ -35,6 +38,18 @@ pub enum RunError {
         suite: String,
         /// Why.
         source: ProgramError,
+    },
+    /// Invocations of a dispatch get in each other's way: what comes out depends on which one is first.
+    #[error(
+        "suite `{suite}`: what the shader gives is open, and nothing is compared: no order of its invocations is \
+         promised\n  {}",
+        .found.join("\n  ")
+    )]
+    Open {
+        /// Name of the suite.
+        suite: String,
+        /// Races and barriers, each with its place.
+        found: Vec<String>,
     },
     /// The formula does not fit the shader.
     #[error("suite `{suite}`, {shader}: {source}")]
@@ -139,6 +154,9 @@ pub fn prepare(suite: &Suite, shader: &SourceFile) -> Result<Prepared, RunError>
     prepare_with(suite, shader, &|program| expected(suite, shader, program))
 }
 
+/// Dispatches in which races are looked for before anything is compared.
+const PILOT: usize = 16;
+
 /// What is expected of a program, with the samples that this is stated for.
 type Expectation = (Reference, Vec<Sample>);
 
@@ -159,7 +177,7 @@ pub fn prepare_with(
         }
         source => RunError::Program { suite: name(), source },
     };
-    let mut program = kernel(suite, shader).map_err(captured)?;
+    let (mut program, author) = kernel(suite, shader).map_err(captured)?;
     super::super::textures::bind(suite, &mut program, true)
         .map_err(|source| RunError::Texture { suite: name(), source })?;
     let compute = program.compute_kernel().map_err(captured)?;
@@ -180,6 +198,16 @@ pub fn prepare_with(
             source: Box::new(source),
         })?
     };
+    let plan = Arc::new(plan);
+    if let Some(author) = author {
+        let batch =
+            Sampler::new(plan.clone(), super::DEFAULT_SEED).batch(0, PILOT.div_ceil(suite.per_case), suite.per_case);
+        let unread = |what| RunError::Program { suite: name(), source: ProgramError::Unsupported { what } };
+        let found = open_meaning(&author, &compute, &batch).map_err(unread)?;
+        if !found.is_empty() {
+            return Err(RunError::Open { suite: name(), found });
+        }
+    }
     let oracle = Oracle::with_literals(&program, &suite.literals).map_err(|error| RunError::Program {
         suite: name(),
         source: ProgramError::Unsupported { what: error.locate(&program) },
@@ -200,7 +228,7 @@ pub fn prepare_with(
         rows,
         suite: suite.clone(),
         shader: shader_name(),
-        plan: Arc::new(plan),
+        plan,
         program,
         compute,
         vertex,
@@ -209,23 +237,29 @@ pub fn prepare_with(
     })
 }
 
-/// What a suite tests of its shader.
-fn kernel(suite: &Suite, shader: &SourceFile) -> Result<Program, ProgramError> {
+/// What a suite tests of its shader; of a compute stage, with the stage before it is dispatched.
+fn kernel(suite: &Suite, shader: &SourceFile) -> Result<(Program, Option<Program>), ProgramError> {
     if suite.stage != Stage::Compute {
-        return program(suite, shader, suite.entry.as_deref());
+        return Ok((program(suite, shader, suite.entry.as_deref())?, None));
     }
     let own = Suite { chosen: suite.dispatch.of_shader(&suite.chosen), ..suite.clone() };
-    suite.dispatch.apply(program(&own, shader, suite.entry.as_deref())?, &suite.chosen)
+    let author = program(&own, shader, suite.entry.as_deref())?;
+    Ok((suite.dispatch.apply(author.clone(), &suite.chosen)?, Some(author)))
 }
 
 /// What a suite compares its shader with: a function, or another shader of the same stage.
-fn other(suite: &Suite, text: &SourceFile, function: Option<&str>) -> Result<Program, ProgramError> {
+fn other(suite: &Suite, text: &SourceFile, function: Option<&str>, groups: &[Count]) -> Result<Program, ProgramError> {
     match function {
         Some(function) if suite.stage == Stage::Compute => {
             let of_function = Suite { stage: Stage::Function, ..suite.clone() };
             program(&of_function, text, Some(function))
         }
-        None if suite.stage == Stage::Compute => kernel(suite, text),
+        None if suite.stage == Stage::Compute => {
+            let groups = if groups.is_empty() { suite.dispatch.groups.clone() } else { groups.to_vec() };
+            // A reference that is written for its sizes gets them as macros.
+            let author = program(suite, text, suite.entry.as_deref())?;
+            Dispatching { groups, ..suite.dispatch.clone() }.apply(author, &suite.chosen)
+        }
         _ => program(suite, text, function.or(suite.entry.as_deref())),
     }
 }
@@ -325,7 +359,7 @@ fn expected(suite: &Suite, shader: &SourceFile, program: &Program) -> Result<Exp
             })?;
             Ok((Reference::new(formula, program).map_err(unfit)?, Vec::new()))
         }
-        Expect::Reference(ReferenceFile { file, function, output, text, at: _ }) => {
+        Expect::Reference(ReferenceFile { file, function, output, groups, text, at: _ }) => {
             let text = text.as_ref().ok_or_else(|| unread(file))?;
             let entry = function.as_deref().or(suite.entry.as_deref());
             // Hosts put a version in front of a text, and a suite has no place for one.
@@ -340,7 +374,7 @@ fn expected(suite: &Suite, shader: &SourceFile, program: &Program) -> Result<Exp
                     text.clone()
                 }
             };
-            let mut model = other(suite, text, function.as_deref()).map_err(|source| {
+            let mut model = other(suite, text, function.as_deref(), groups).map_err(|source| {
                 let source = match source {
                     ProgramError::Source(found) => {
                         ProgramError::Source(found.into_iter().map(|d| suite.includes.explained(d)).collect())

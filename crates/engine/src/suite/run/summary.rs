@@ -305,7 +305,9 @@ impl Summary {
         for entry in &self.entries {
             match &entry.outcome {
                 Outcome::Ran(report) => failed |= !report.errors().is_empty(),
-                Outcome::Refused(RunError::Shader { .. }) | Outcome::LaneFailed(_) => failed = true,
+                Outcome::Refused(RunError::Shader { .. } | RunError::Open { .. }) | Outcome::LaneFailed(_) => {
+                    failed = true
+                }
                 Outcome::KnownFailure { .. } => {}
                 Outcome::Refused(
                     RunError::Program { .. }

@@ -32,9 +32,6 @@ use crate::{Entry, PortAt, Texture};
 use base::value::Scalar;
 use layout::Layout;
 
-/// Bytes of a text.
-type TextRange = std::ops::Range<usize>;
-
 /// Where a value of the interface lies.
 #[derive(Clone, Debug)]
 pub struct Binding {
@@ -179,10 +176,9 @@ struct Compiler<'m> {
     depth: usize,
     /// Variables of the invocation whose code is written now, where there are several.
     own: HashMap<Handle<GlobalVariable>, Rc<[Register]>>,
-    /// Words that are known, by their registers.
     numbers: HashMap<Reg, u32>,
     /// Places of statements, where there are several invocations.
-    statements: HashMap<(Option<Handle<Function>>, Option<TextRange>), Site>,
+    statements: HashMap<(Option<Handle<Function>>, Option<(usize, usize)>), Site>,
 }
 
 impl<'m> Compiler<'m> {

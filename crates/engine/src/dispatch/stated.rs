@@ -1,0 +1,56 @@
+//! A dispatch as a suite states it: whether its invocations get in each other's way with the contents that it gives buffers.
+
+use base::value::Batch;
+use program::interp::group::{Buffer, Space, Wrong};
+use program::{Form, Kernel, Program, UniformPlace};
+
+use super::Dispatched;
+use super::host::Scenario;
+use super::run::Met;
+
+/// Of a batch of dispatches, what makes their meaning open: races, and barriers that some invocations do not reach. Each is
+/// told once, with its place.
+///
+/// `author` is the compute stage that `kernel` dispatches.
+///
+/// # Errors
+/// What cannot be interpreted, with its place.
+pub fn open_meaning(author: &Program, kernel: &Kernel, batch: &Batch) -> Result<Vec<String>, String> {
+    let Form::Dispatch { groups, buffers } = &kernel.form else { return Ok(Vec::new()) };
+    let Some(subject) = Dispatched::new(author) else { return Ok(Vec::new()) };
+    let subject = subject?;
+    let mut met: Vec<Met> = Vec::new();
+    for k in 0..batch.invocation_count() {
+        let (size, of_case) = (batch.invocation_record.words(), batch.case_record.words());
+        let invocation = &batch.invocations[k * size..][..size];
+        let case = &batch.cases[k / batch.per_case.max(1) * of_case..][..of_case];
+        let mut bound = buffers.iter();
+        let memories = subject.executable.memories().iter().map(|shape| {
+            let about = if shape.space == Space::Workgroup { None } else { bound.next() };
+            let Some(about) = about else { return Buffer { words: Vec::new(), elements: 0 } };
+            let mut words = vec![0; about.bytes as usize / 4];
+            let record = if about.uniform { case } else { invocation };
+            for &UniformPlace { word, byte } in &about.before {
+                words[byte as usize / 4] = record[word as usize];
+            }
+            let elements = shape.array.as_ref().map_or(0, |array| (words.len() as u32 - array.offset) / array.stride);
+            Buffer { words, elements }
+        });
+        let buffers = memories.collect();
+        let scenario = Scenario { groups: *groups, buffers, settings: Vec::new(), surplus: 0 };
+        let outcome = subject.play(&scenario, 0);
+        for incident in outcome.incidents {
+            let open = matches!(incident.what, Wrong::Race | Wrong::Divergence);
+            if open && met.iter().all(|own| !own.incident.is_same(&incident)) {
+                let scenario = scenario.clone();
+                met.push(Met { incident, scenario, length: None, guarded: false, harmless: false });
+            }
+        }
+    }
+    let told = met.iter().map(|met| {
+        let finding = subject.told(met, "");
+        let at = finding.place.map_or_else(|| author.file.name().to_owned(), |place| place.at.to_string());
+        format!("{at}: {}", finding.message)
+    });
+    Ok(told.collect())
+}
