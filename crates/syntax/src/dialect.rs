@@ -75,6 +75,20 @@ mod tests {
     }
 
     #[test]
+    fn textures_without_a_sampler_have_texels() {
+        let text = |line: &str| {
+            format!(
+                "#version 450\nlayout(binding = 1) uniform itexture3D t;\nlayout(binding = 2) uniform sampler s;\n\
+                 layout(location = 0) out vec4 o;\nvoid main() {{ o = vec4(0); {line} }}\n"
+            )
+        };
+        assert_eq!(errors(Stage::Fragment, &text("ivec4 a = texelFetch(t, ivec3(0), 0);")), [""; 0]);
+        assert_eq!(errors(Stage::Fragment, &text("ivec4 a = texture(isampler3D(t, s), vec3(0));")), [""; 0]);
+        assert_eq!(errors(Stage::Fragment, &text("ivec3 a = texelFetch(t, ivec3(0), 0);")).len(), 1);
+        assert_eq!(errors(Stage::Fragment, &text("ivec4 a = texelFetch(t, ivec2(0), 0);")).len(), 1);
+    }
+
+    #[test]
     fn opengl_keeps_its_rules() {
         let samplers = "#version 450\nuniform texture2D;\nvoid main() {}\n";
         assert!(!errors(Stage::Vertex, samplers).is_empty());

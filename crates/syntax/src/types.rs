@@ -164,6 +164,16 @@ impl OpaqueType {
     }
 }
 
+impl OpaqueType {
+    /// What a texture without a sampler is read as, such as `utexture3D` (GL_KHR_vulkan_glsl): the sampler with the
+    /// same texels.
+    pub fn of_texture(name: &str) -> Option<Self> {
+        let at = name.find("texture").filter(|at| *at <= 1)?;
+        let name = format!("{}sampler{}", &name[..at], &name[at + "texture".len()..]);
+        Self::from_name(&name).filter(|ty| !ty.shadow)
+    }
+}
+
 impl fmt::Display for OpaqueType {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let base = match self.kind {

@@ -44,6 +44,15 @@ fn coordinates_choose_the_texel_in_which_they_lie() {
 }
 
 #[test]
+fn a_texture_and_a_sampler_of_vulkan_are_looked_up_together() {
+    let both = "texture2D t;\nuniform sampler s";
+    looks_up(both, "texture(sampler2D(t, s), p.xy)", [0.4, 0.3, 0.0], [6, 2, 0]);
+    looks_up(both, "textureLod(sampler2D(t, s), p.xy, 0.0)", [0.4, 0.3, 0.0], [6, 2, 0]);
+    looks_up(both, "texelFetch(t, ivec2(p.xy), 0)", [3.0, 5.0, 0.0], [3, 5, 0]);
+    looks_up("texture3D t", "texelFetch(t, ivec3(p), 0)", [4.0, 2.0, 1.0], [4, 2, 1]);
+}
+
+#[test]
 fn gathering_takes_the_four_texels_around_a_point() {
     // 0.4 · 16 − ½ = 5.9 and 0.3 · 8 − ½ = 1.9: columns 5 and 6, rows 1 and 2, from the lower left corner on.
     for (component, at) in [("x", [5, 2, 0]), ("y", [6, 2, 0]), ("z", [6, 1, 0]), ("w", [5, 1, 0])] {

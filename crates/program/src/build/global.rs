@@ -231,6 +231,11 @@ impl<'s> Build<'s> {
             return Err(self.unsupported(v.name_span, "a subroutine uniform", "call one of its functions instead"));
         }
         let ty = self.with_size(v.symbol, &self.with_dims(&v.ty, &self.dims_of(v)));
+        // A sampler without a texture: each lookup has one of its own. Any other use of it is refused where it stands.
+        let vulkan = || self.shader.extensions().iter().any(|e| e.name == "GL_KHR_vulkan_glsl");
+        if ty.is_error() && vulkan() {
+            return Ok(());
+        }
         let global = if ty.contains_opaque() {
             let data = if has_data(&ty) { Some(self.uniform(&v.name, &ty, v.name_span)?) } else { None };
             Global::Opaque { key: v.name.clone(), ty, data, image: ImageLayout::of(&v.qualifiers) }

@@ -16,6 +16,7 @@ use crate::{Texture as Supplied, binding};
 use base::text::Span;
 use syntax::BuiltinFunction as F;
 use syntax::ast::{ExprId, ExprKind};
+use syntax::symbols::CallTarget;
 use syntax::types::{OpaqueKind, OpaqueType, ScalarType, TextureDim, Type};
 
 /// Where the numbers of a structure with samplers lie: a variable, and the indices on the way in. It
@@ -171,6 +172,15 @@ impl Fun<'_, '_> {
                 let data = opaque.data.map(|data| data.inside(k));
                 Some(Opaque { key: format!("{}[{k}]", opaque.key), ty, data, image: opaque.image })
             }
+            // `sampler2D(texture, sampler)` of Vulkan: which sampler it is, the host states.
+            ExprKind::Call { callee: _, args } if args.len() == 2 => match self.shader.callee(id) {
+                Some(CallTarget::Constructor(ty @ Type::Opaque(made))) => self.opaque(args[0])?.map(|texture| {
+                    // One texture is read with and without comparisons: these are two kinds.
+                    let key = if made.shadow { format!("{}.shadow", texture.key) } else { texture.key };
+                    Opaque { key, ty: ty.clone(), ..texture }
+                }),
+                _ => None,
+            },
             _ => None,
         };
         Ok(found)

@@ -11,7 +11,7 @@ use super::super::interface::{Storage, Variable};
 use super::super::language::Feature;
 use super::super::names::nearest;
 use super::super::symbols::{Direction, FunctionId, FunctionInfo, ParamInfo, SymbolKind};
-use super::super::types::{ArraySize, StructField, StructType, Type};
+use super::super::types::{ArraySize, OpaqueType, StructField, StructType, Type};
 use super::super::{Stage, builtin, errors, parser};
 use super::expression::with_near;
 use super::layouts::Bearer;
@@ -68,6 +68,10 @@ impl Checker<'_> {
                     // The functions behind a subroutine type are chosen by the host; what they
                     // take and return is not followed.
                     None if self.subroutines.contains(name) => Type::Error,
+                    // Vulkan has textures without a sampler.
+                    None if self.language.is_open() && OpaqueType::of_texture(name).is_some() => {
+                        OpaqueType::of_texture(name).map_or(Type::Error, Type::Opaque)
+                    }
                     None if builtin::structure_type(name).is_some()
                         && (name == "gl_DepthRangeParameters" || !(self.language.core() || self.language.es())) =>
                     {
