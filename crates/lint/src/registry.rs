@@ -22,6 +22,8 @@ pub const RULES: &[&Rule] = &[
     &glsl::unused_function::RULE,
     &glsl::varying_written_on_some_paths::RULE,
     &glsl::lost_in_swap::RULE,
+    &glsl::same_element_each_round::RULE,
+    &glsl::copy_left_as_it_was::RULE,
     // G. Geometry shaders.
     &glsl::max_vertices_too_small::RULE,
     &glsl::max_vertices_too_large::RULE,
@@ -74,6 +76,11 @@ pub const RULES: &[&Rule] = &[
     // K. Compute kernels: work groups and their memory.
     &glsl::missing_barrier::RULE,
     &glsl::unguarded_invocation::RULE,
+    &glsl::guard_in_other_units::RULE,
+    &glsl::rows_counted_in_workgroups::RULE,
+    &glsl::bytes_as_words::RULE,
+    &glsl::index_of_idle_axis::RULE,
+    &glsl::strides_of_two_shapes::RULE,
     // N. Numbers: domains of functions, precision, division by zero.
     &glsl::pow_negative_base::RULE,
     &glsl::pow_zero_exponent_zero::RULE,
@@ -106,6 +113,8 @@ pub const RULES: &[&Rule] = &[
     &glsl::texel_edge::RULE,
     &glsl::mix_ends_swapped::RULE,
     &glsl::unsigned_wraps::RULE,
+    &glsl::quotient_below_zero::RULE,
+    &glsl::extreme_from_zero::RULE,
     // P. Cost.
     &glsl::inverse_in_shader::RULE,
     &glsl::matrix_chain_order::RULE,

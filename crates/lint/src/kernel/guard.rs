@@ -20,10 +20,8 @@ pub fn unguarded_store(shader: &Shader, kernel: &Kernel) -> Option<ExprId> {
         let follows = |id: &ExprId| mentions(shader, &numbers, *id);
         match &expr.kind {
             ExprKind::Binary { op, left, right, .. } => {
-                let limits = matches!(
-                    op,
-                    BinaryOp::Less | BinaryOp::Greater | BinaryOp::LessEqual | BinaryOp::GreaterEqual | BinaryOp::Rem
-                );
+                let limits =
+                    matches!(op, BinaryOp::Less | BinaryOp::Greater | BinaryOp::LessEqual | BinaryOp::GreaterEqual);
                 if limits && (follows(left) || follows(right)) {
                     return None;
                 }
@@ -70,11 +68,13 @@ fn spread(shader: &Shader, numbers: &mut BTreeSet<SymbolId>) {
     }
 }
 
-/// True where the value is made of one of the variables: what is read from an array is another number.
+/// True where the value is made of one of the variables: what is read from an array is another number, and a remainder
+/// has a limit of its own.
 fn mentions(shader: &Shader, numbers: &BTreeSet<SymbolId>, id: ExprId) -> bool {
     match &shader.expr(id).kind {
         ExprKind::Name(_) => shader.symbol_of(id).is_some_and(|s| numbers.contains(&s)),
         ExprKind::Index { base, index: _ } => mentions(shader, numbers, *base),
+        ExprKind::Binary { op: BinaryOp::Rem, .. } => false,
         _ => shader.expr(id).children().into_iter().any(|child| mentions(shader, numbers, child)),
     }
 }

@@ -2,15 +2,19 @@
 //! the numbers that follow from the place of an invocation in the group. What follows from data is not known, and both
 //! ways of a condition on it are walked.
 
+mod bound;
 mod builtins;
 mod eval;
 mod guard;
 mod shared;
+mod sum;
 mod value;
 mod walk;
 
+pub use bound::bounds;
 pub use guard::{indexed_arrays, unguarded_store};
 pub use shared::{Kind, Race};
+pub use sum::{Factor, Product, plain, sum, sums};
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -34,6 +38,20 @@ pub struct Kernel {
     pub size: Option<[u32; 3]>,
     /// Parameters and members of parameters with built-in values: of WGSL alone.
     inputs: Vec<(SymbolId, Option<String>, String)>,
+}
+
+impl Kernel {
+    /// The axis of a built-in value that an expression is, by the names of the value in WGSL and in GLSL.
+    pub fn axis_of(&self, shader: &Shader, id: ExprId, wgsl: &str, glsl: &str) -> Option<usize> {
+        use syntax::ast::ExprKind;
+        let ExprKind::Field { base, field } = &shader.expr(id).kind else { return None };
+        let axis = ["x", "y", "z"].iter().position(|axis| *axis == field.name)?;
+        let (symbol, members) = wgsl::root(shader, *base)?;
+        let is = |(own, member, name): &(SymbolId, Option<String>, String)| {
+            *own == symbol && member.as_deref() == members.first().copied() && name == wgsl
+        };
+        (self.inputs.iter().any(is) || shader.builtin(glsl) == Some(symbol)).then_some(axis)
+    }
 }
 
 /// The kernels of a shader.

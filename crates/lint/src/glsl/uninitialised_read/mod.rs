@@ -7,6 +7,8 @@ use base::diagnostic::{Code, Diagnostic, Severity, message};
 
 use super::variable::{part, with_zero};
 
+mod element;
+
 /// The rule.
 pub const RULE: Rule = Rule {
     code: Code("D001"),
@@ -24,6 +26,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
             findings.push(found);
         }
     }
+    element::check(file, findings);
 }
 
 /// The diagnostic for a read without a value.

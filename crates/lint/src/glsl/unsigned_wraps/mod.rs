@@ -7,7 +7,7 @@ use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
-use syntax::symbols::{CallTarget, SymbolId};
+use syntax::symbols::{CallTarget, SymbolId, SymbolKind};
 use syntax::types::ScalarType;
 
 use super::forms::builtin;
@@ -63,7 +63,7 @@ fn goes_round(shader: &Shader, divisor: ExprId) -> bool {
     constant(shader, divisor).is_none_or(|c| c.log2().fract() != 0.0)
 }
 
-/// Parameters of which a remainder is taken, as they are.
+/// Parameters of which a remainder is taken, as they are, there or in a function that gets them.
 fn remainders(shader: &Shader) -> BTreeSet<SymbolId> {
     let of = |expr: &ExprKind| match expr {
         ExprKind::Binary { op: BinaryOp::Rem, op_span: _, left, right } if goes_round(shader, *right) => {
@@ -71,8 +71,29 @@ fn remainders(shader: &Shader) -> BTreeSet<SymbolId> {
         }
         _ => None,
     };
-    let found = shader.arena().iter().filter_map(|(_, e)| of(&e.kind));
-    found.filter(|s| !shader.is_written(*s)).collect()
+    let own = |symbol: &SymbolId| !shader.is_written(*symbol);
+    let mut found: BTreeSet<SymbolId> = shader.arena().iter().filter_map(|(_, e)| of(&e.kind)).filter(own).collect();
+    loop {
+        let passed = shader.arena().iter().flat_map(|(id, _)| arguments(shader, id, &found));
+        let more: BTreeSet<SymbolId> = passed.filter_map(|arg| shader.symbol_of(bare(shader, arg))).collect();
+        let is_param = |symbol: &SymbolId| matches!(shader.symbol(*symbol).kind, SymbolKind::Param(_)) && own(symbol);
+        let before = found.len();
+        found.extend(more.into_iter().filter(is_param));
+        if found.len() == before {
+            return found;
+        }
+    }
+}
+
+/// What a call passes for some of these parameters.
+fn arguments(shader: &Shader, id: ExprId, params: &BTreeSet<SymbolId>) -> Vec<ExprId> {
+    let (ExprKind::Call { callee: _, args }, Some(CallTarget::User(function))) =
+        (&shader.expr(id).kind, shader.callee(id))
+    else {
+        return Vec::new();
+    };
+    let taken = shader.function_info(*function).params.iter().zip(args);
+    taken.filter(|(p, _)| p.symbol.is_some_and(|s| params.contains(&s))).map(|(_, arg)| *arg).collect()
 }
 
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
@@ -94,12 +115,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
                 _ => {}
             }
         }
-        if let (ExprKind::Call { callee: _, args }, Some(CallTarget::User(function))) = (&expr.kind, shader.callee(id))
-        {
-            let params = &shader.function_info(*function).params;
-            let taken = params.iter().zip(args).filter(|(p, _)| p.symbol.is_some_and(|s| remainders.contains(&s)));
-            limited.extend(taken.map(|(_, arg)| (*arg, true)));
-        }
+        limited.extend(arguments(shader, id, &remainders).into_iter().map(|arg| (arg, true)));
     }
     if limited.is_empty() {
         return;
@@ -155,6 +171,7 @@ mod tests {
     fn wraps(line: &str) -> usize {
         let text = format!(
             "@group(0) @binding(0) var<uniform> w: u32;\nfn round(x: u32) -> u32 {{ return x % w; }}\n\
+             fn far(y: u32) -> u32 {{ return 2u * round(y); }}\n\
              fn f(x: u32, y: i32, g: vec3u) -> u32 {{ {line} }}\n"
         );
         count("N034", &text)
@@ -165,6 +182,7 @@ mod tests {
         assert_eq!(wraps("return (x - 1) % w;"), 1);
         assert_eq!(wraps("return (g.x - 1u) % 48u;"), 1);
         assert_eq!(wraps("return round(x - 1);"), 1);
+        assert_eq!(wraps("return far(x - 1);"), 1);
         assert_eq!(wraps("return max(x - 1, 0);"), 1);
         assert_eq!(wraps("return clamp(g.y - 2u, 0u, w);"), 1);
     }
