@@ -4,7 +4,7 @@
 //! the root of a text of its own: what is found in another file of a text is told where that one is the root, and only
 //! there.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::fmt;
 use std::sync::Arc;
 
@@ -84,4 +84,25 @@ pub(super) fn to_origin(all: &mut Vec<(Level, Diagnostic)>) {
         (diagnostic.file, diagnostic.span) = (file, span);
         true
     });
+}
+
+/// Brings what is told about texts that an engine may write to the templates.
+pub(super) fn to_templates(project: &Project, all: &mut [(Level, Diagnostic)]) {
+    let templates: HashMap<&str, &SourceFile> =
+        project.shaders().filter_map(|s| s.template.as_ref()).map(|file| (file.name(), file)).collect();
+    if templates.is_empty() {
+        return;
+    }
+    for (_, diagnostic) in all {
+        for label in &mut diagnostic.related {
+            if let Some(file) = templates.get(label.file.name()) {
+                label.file = (*file).clone();
+            }
+        }
+        if let Some(file) = templates.get(diagnostic.file.name()) {
+            diagnostic.file = (*file).clone();
+            // A repair of what the engine writes is none of what its author wrote.
+            diagnostic.fix = None;
+        }
+    }
 }

@@ -133,6 +133,7 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
         *diagnostic = diagnostic.clone().in_expansion();
     }
     composed::to_origin(&mut all);
+    composed::to_templates(&project, &mut all);
     composed::add_refused(&project, &mut all);
     // What the host puts around a text is not the author's.
     let around: HashMap<&str, &ShaderFile> =

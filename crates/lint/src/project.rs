@@ -2,6 +2,7 @@
 
 mod printed;
 mod shader;
+mod template;
 mod words;
 
 use std::collections::{BTreeMap, HashMap, HashSet};

@@ -98,7 +98,7 @@ impl Rule {
         let shaders: Vec<&ShaderFile> = project.shaders().filter(|s| s.reported).collect();
         into.par_extend(shaders.par_iter().flat_map_iter(|shader| {
             let mut found = Vec::new();
-            for rule in rules {
+            for rule in rules.iter().filter(|rule| shader.template.is_none() || rule.holds_for_templates()) {
                 let mut findings = Findings { rule, into: &mut found };
                 rule.check.on_shader(shader, project, &mut findings);
             }
@@ -176,6 +176,11 @@ impl Rule {
     #[cfg(test)]
     pub(super) fn holds_for_wgsl(&self) -> bool {
         matches!(self.check, Check::Any(_) | Check::AnyWith(_))
+    }
+
+    /// True for a rule on what a text says, and not on what it lacks: of a template, one text of many is read.
+    fn holds_for_templates(&self) -> bool {
+        self.code.0.starts_with('K') || self.code.0 == "N036"
     }
 
     /// True when it takes its findings from the front end.

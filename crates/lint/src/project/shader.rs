@@ -3,12 +3,12 @@
 use std::collections::HashSet;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use base::diagnostic::{Code, Diagnostic};
+use base::diagnostic::{Code, Diagnostic, Severity};
 use base::text::{SourceFile, Span};
 use syntax::ast::ItemKind;
 use syntax::{Parsed, Shader, Stage, TokenPlace, errors};
 
-use super::{Input, Project};
+use super::{Input, Project, template};
 use crate::composed::Composed;
 use crate::document::{Listing, Place};
 use crate::embedded::Origin;
@@ -55,6 +55,8 @@ pub struct ShaderFile {
     pub on_request: Vec<Diagnostic>,
     /// The text as it stands in its file, where what it imports is joined with it.
     pub author: Option<SourceFile>,
+    /// The text as its author wrote it, where it is a template: places are the same in both.
+    pub template: Option<SourceFile>,
     /// What another reader of the language says of the text.
     pub refused: Vec<(Level, Diagnostic)>,
     /// Ranges of its expressions, found out when the first rule asks.
@@ -72,8 +74,19 @@ impl ShaderFile {
         Self::read(input, version::read_as(&input.file, stage, es))
     }
 
-    /// A module in WGSL.
+    /// A module in WGSL, or a template of one: of that, one text that its engine may write.
     pub(super) fn wgsl(input: &Input) -> Self {
+        let Some(text) = template::filled(input.file.text()) else { return Self::module(input) };
+        let mut shader = Self::module(&input.with_file(SourceFile::new(input.file.name(), text)));
+        // What is missing here, the engine may bring.
+        shader.front_end.clear();
+        shader.on_request.clear();
+        shader.refused.retain(|(_, d)| d.severity == Severity::Info);
+        shader.template = Some(input.file.clone());
+        shader
+    }
+
+    fn module(input: &Input) -> Self {
         let alone = Shader::parse_wgsl(&input.file);
         let varies = alone.shader.wgsl().is_some_and(|module| module.varies);
         let joined = input.composer.as_ref().and_then(|composer| composer.join(&input.file));
@@ -122,6 +135,7 @@ impl ShaderFile {
             around: [Span::default(); 2],
             on_request: Vec::new(),
             author: None,
+            template: None,
             refused: Vec::new(),
             observed: Mutex::default(),
             flow: Mutex::default(),
