@@ -8,6 +8,7 @@ pub mod compare;
 pub mod diagnostics;
 #[cfg(feature = "run")]
 pub mod fuzz;
+mod gitlab;
 #[cfg(feature = "run")]
 pub mod html;
 pub mod lint;
@@ -16,4 +17,5 @@ pub mod mutate;
 pub mod page;
 #[cfg(feature = "run")]
 pub mod refdata;
+mod reviewdog;
 mod sarif;

@@ -92,6 +92,8 @@ fn a_folder_of_reports_holds_every_format() {
         ("json", "report.json"),
         ("sarif", "report.sarif"),
         ("github", "annotations.txt"),
+        ("gitlab", "code-quality.json"),
+        ("rdjson", "reviewdog.json"),
         ("markdown", "summary.md"),
         ("junit", "junit.xml"),
     ] {

@@ -2,12 +2,14 @@
 
 mod block;
 mod github;
+mod gitlab;
 mod items;
 mod json;
 mod junit;
 mod markdown;
 mod not_run;
 mod notes;
+mod rdjson;
 mod reach;
 mod sarif;
 mod survey;
@@ -19,6 +21,7 @@ use engine::suite::run::Summary;
 
 pub use json::json;
 pub(crate) use reach::facts as reached;
+pub use sarif::about;
 pub use table::{Table, short};
 pub use text::{brief, finding, line, not_run, totals};
 
@@ -38,7 +41,15 @@ pub struct Format {
 }
 
 /// All formats for other programs.
-pub const FORMATS: &[&Format] = &[&json::FORMAT, &junit::FORMAT, &sarif::FORMAT, &github::FORMAT, &markdown::FORMAT];
+pub const FORMATS: &[&Format] = &[
+    &json::FORMAT,
+    &junit::FORMAT,
+    &sarif::FORMAT,
+    &github::FORMAT,
+    &gitlab::FORMAT,
+    &rdjson::FORMAT,
+    &markdown::FORMAT,
+];
 
 /// The format of this name; none for the text, which is for people.
 pub fn by_name(name: &str) -> Option<&'static Format> {

@@ -22,7 +22,7 @@ fn sarif(summary: &Summary) -> String {
     let all = items::all(summary);
     let used: BTreeSet<&str> = all.iter().map(|item| item.code.as_str()).collect();
     let rules: Vec<Value> =
-        used.iter().map(|code| json!({ "id": code, "shortDescription": { "text": about(code) } })).collect();
+        used.iter().map(|code| json!({ "id": code, "shortDescription": { "text": described(code) } })).collect();
     let index = |code: &str| used.iter().position(|used| *used == code).unwrap_or_default();
     let results: Vec<Value> = all.iter().map(|item| result(item, index(&item.code))).collect();
     log(rules, results, None)
@@ -45,15 +45,18 @@ fn result(item: &Item, index: usize) -> Value {
 }
 
 /// What a code stands for.
-fn about(code: &str) -> &'static str {
-    FindingKind::ALL.into_iter().find(|kind| kind.name() == code).map_or_else(
-        || match code {
-            "lane" => "The lane failed.",
-            "configuration" => "A suite does not fit its shader.",
-            _ => "The shader does not compile.",
-        },
-        FindingKind::about,
-    )
+fn described(code: &str) -> &'static str {
+    let kind = FindingKind::ALL.into_iter().find(|kind| kind.name() == code);
+    kind.map(FindingKind::about).or_else(|| about(code)).unwrap_or("The shader does not compile.")
+}
+
+/// What a code stands for that is no kind of finding.
+pub fn about(code: &str) -> Option<&'static str> {
+    match code {
+        "lane" => Some("The lane failed."),
+        "configuration" => Some("A suite does not fit its shader."),
+        _ => None,
+    }
 }
 
 #[cfg(test)]
@@ -64,7 +67,8 @@ mod tests {
     #[test]
     fn severities_are_levels() {
         assert_eq!((level(Severity::Error), level(Severity::Info)), ("error", "note"));
-        assert_eq!(about("lane"), "The lane failed.");
-        assert_eq!(about("deviation"), FindingKind::Deviation.about());
+        assert_eq!(described("lane"), "The lane failed.");
+        assert_eq!(described("E001"), "The shader does not compile.");
+        assert_eq!(described("deviation"), FindingKind::Deviation.about());
     }
 }

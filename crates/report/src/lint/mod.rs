@@ -3,7 +3,9 @@
 
 mod concise;
 mod github;
+mod gitlab;
 mod json;
+mod rdjson;
 mod sarif;
 mod text;
 
@@ -22,7 +24,15 @@ pub struct Format {
 }
 
 /// All formats; the first is used when nothing is said.
-pub const FORMATS: &[&Format] = &[&text::FORMAT, &concise::FORMAT, &json::FORMAT, &sarif::FORMAT, &github::FORMAT];
+pub const FORMATS: &[&Format] = &[
+    &text::FORMAT,
+    &concise::FORMAT,
+    &json::FORMAT,
+    &sarif::FORMAT,
+    &github::FORMAT,
+    &gitlab::FORMAT,
+    &rdjson::FORMAT,
+];
 
 /// The format of this name.
 pub fn by_name(name: &str) -> Option<&'static Format> {

@@ -1,0 +1,25 @@
+//! `gitlab`: Code Quality of GitLab, beside the lines of a merge request.
+
+use super::Format;
+use super::items;
+use crate::gitlab::Issues;
+use engine::suite::run::Summary;
+
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "gitlab",
+    summary: "Code Quality of GitLab, for merge requests",
+    file: "code-quality.json",
+    write: |summary| Ok(gitlab(summary)),
+};
+
+/// An issue for each finding. The message stands for its place: it names the suite, the lane and the output, and the numbers
+/// in it are those of the smallest inputs, which stay the same for one shader and seed.
+fn gitlab(summary: &Summary) -> String {
+    let mut issues = Issues::default();
+    for item in items::all(summary) {
+        let line = item.at.map_or(1, |(line, _)| line);
+        issues.add(item.severity, &item.code, &item.message, &items::relative(&item.file), line, &item.message);
+    }
+    issues.report()
+}

@@ -1,0 +1,29 @@
+//! `rdjson`: the Reviewdog Diagnostic Format.
+
+use serde_json::{Value, json};
+
+use super::Format;
+use super::items::{self, Item};
+use crate::reviewdog::{report, severity};
+
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "rdjson",
+    summary: "Reviewdog Diagnostic Format",
+    file: "reviewdog.json",
+    write: |summary| Ok(report(items::all(summary).iter().map(diagnostic).collect())),
+};
+
+/// A finding at the line where it shows; columns of this format count bytes, and those of an item characters.
+fn diagnostic(item: &Item) -> Value {
+    let mut location = json!({ "path": items::relative(&item.file) });
+    if let Some((line, _)) = item.at {
+        location["range"] = json!({ "start": { "line": line } });
+    }
+    json!({
+        "message": item.details.trim(),
+        "location": location,
+        "severity": severity(item.severity),
+        "code": { "value": item.code },
+    })
+}
