@@ -2,8 +2,6 @@
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
 use shadercheck::cli::{Cli, run};
 
 #[cfg(feature = "run")]
@@ -11,7 +9,7 @@ use shadercheck::cli::{Cli, run};
 static GLOBAL: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = Cli::read().unwrap_or_else(|error| error.exit());
     #[cfg(feature = "run")]
     devices(&cli.command);
     run(&cli).into()

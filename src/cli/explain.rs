@@ -6,14 +6,16 @@ use clap::Args;
 
 use crate::cli::LangName;
 use crate::cli::status::ExitStatus;
+use base::diagnostic::Code;
 use lint::{RULES, by_code, nearest};
 use report::page;
 use syntax::errors;
 
-/// Show what a rule of the lint tool means; without a rule, list all
+/// Show what a rule, an error code or a kind of finding means; without one, list all rules and codes
 #[derive(Args, Clone, Debug, Default)]
 pub struct ExplainArgs {
-    /// Code (T001) or name (constructor-too-many-args) of a rule, or `suite` for the keys of suite files
+    /// Code (T001) or name (constructor-too-many-args) of a rule, code of an error (E020), kind of a finding of `check`
+    /// (deviation), or `suite` for the keys of suite files
     #[arg(value_name = "RULE")]
     pub code: Option<String>,
     /// Language of the page; LANG decides when it is left out
@@ -39,7 +41,7 @@ pub fn run(args: &ExplainArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
                 rule.pages.summary(lang)
             )?;
         }
-        for (code, line) in errors::ALL {
+        for (code, line) in errors::ALL.iter().chain(BUILDING) {
             writeln!(out, "{code}  {:width$}  {:7}  {line}", "", "error")?;
         }
         return Ok(ExitStatus::Clean);
@@ -50,8 +52,8 @@ pub fn run(args: &ExplainArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
         return Ok(ExitStatus::Clean);
     }
     let Some(rule) = by_code(given) else {
-        if let Some((code, line)) = errors::ALL.iter().find(|(c, _)| c.0.eq_ignore_ascii_case(given)) {
-            writeln!(out, "{code}  error of the front end: {line}")?;
+        if let Some(line) = code(given).or_else(|| kind(given)) {
+            writeln!(out, "{line}")?;
             return Ok(ExitStatus::Clean);
         }
         let nearest = nearest(given);
@@ -62,6 +64,43 @@ pub fn run(args: &ExplainArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
     };
     out.write_all(page::markdown(rule, lang, color).as_bytes())?;
     Ok(ExitStatus::Clean)
+}
+
+/// Errors of what makes a program of a text, which the linter alone does not have.
+#[cfg(feature = "run")]
+const BUILDING: &[(Code, &str)] = &[
+    (program::UNSUPPORTED, "a construct that cannot be run or translated here"),
+    (program::INCOMPLETE, "the shader lacks something that running it needs"),
+    (program::NAGA, "naga's parser of WGSL refuses the text"),
+    (program::VALIDATOR, "naga's validator refuses the module"),
+    (program::COMPILER, "the compiler of a text in HLSL or Slang refuses it"),
+];
+#[cfg(not(feature = "run"))]
+const BUILDING: &[(Code, &str)] = &[];
+
+/// What an error code stands for.
+fn code(given: &str) -> Option<String> {
+    let of = |all: &[(Code, &str)], what: &str| {
+        let (code, line) = all.iter().find(|(code, _)| code.0.eq_ignore_ascii_case(given))?;
+        Some(format!("{code}  {what}: {line}"))
+    };
+    of(errors::ALL, "error of the front end").or_else(|| of(BUILDING, "error of building a program"))
+}
+
+/// What a kind of finding of `check` stands for.
+#[cfg(feature = "run")]
+fn kind(given: &str) -> Option<String> {
+    let about = |about: &str, warning: bool| {
+        format!("{given}  {} of `shadercheck check`: {about}", if warning { "warning" } else { "finding" })
+    };
+    let kind = engine::suite::run::FindingKind::ALL.into_iter().find(|kind| kind.name() == given);
+    kind.map(|kind| about(kind.about(), kind.is_warning()))
+        .or_else(|| report::check::about(given).map(|line| about(line, false)))
+}
+
+#[cfg(not(feature = "run"))]
+fn kind(_: &str) -> Option<String> {
+    None
 }
 
 #[cfg(test)]
@@ -108,9 +147,24 @@ mod tests {
     }
 
     #[test]
+    #[cfg(feature = "run")]
+    fn codes_and_kinds_of_other_reports_are_known_too() {
+        for (given, part) in [
+            ("E902", "E902  error of building a program: naga's validator"),
+            ("deviation", "deviation  finding of `shadercheck check`: Outputs deviate"),
+            ("rounded_literal", "rounded_literal  warning of `shadercheck check`"),
+            ("lane", "lane  finding of `shadercheck check`: The lane failed."),
+        ] {
+            let (status, out, _) = explain(Some(given));
+            assert_eq!(status, ExitStatus::Clean, "{given}");
+            assert!(out.starts_with(part), "{out}");
+        }
+    }
+
+    #[test]
     fn without_a_code_all_rules_are_listed() {
         let (_, out, _) = explain(None);
-        assert_eq!(out.lines().count(), RULES.len() + errors::ALL.len());
+        assert_eq!(out.lines().count(), RULES.len() + errors::ALL.len() + BUILDING.len());
         assert!(RULES.iter().all(|r| out.contains(r.name)));
     }
 }

@@ -7,8 +7,10 @@ mod bar;
 pub mod calibrate;
 #[cfg(feature = "run")]
 pub mod check;
+pub mod color;
 #[cfg(feature = "run")]
 pub mod compare;
+pub mod completions;
 #[cfg(feature = "run")]
 mod compose;
 #[cfg(feature = "run")]
@@ -39,6 +41,7 @@ pub mod shard;
 pub mod status;
 #[cfg(feature = "run")]
 pub mod translate;
+pub mod version;
 #[cfg(feature = "run")]
 pub mod worker;
 
@@ -46,11 +49,12 @@ use std::io::{IsTerminal, Write};
 
 use ::lint::WantedPrelude;
 use clap::builder::{PossibleValue, PossibleValuesParser};
-use clap::{Parser, Subcommand, ValueEnum};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use syntax::Stage;
 
 use base::diagnostic::Lang;
 use base::text::printable;
+use color::ColorChoice;
 use status::ExitStatus;
 
 /// Languages by the names that options have for them.
@@ -140,6 +144,12 @@ fn lang(given: Option<LangName>) -> Lang {
 #[derive(Parser, Debug)]
 #[command(name = "shadercheck", version, max_term_width = 100)]
 pub struct Cli {
+    /// When output has colours
+    #[arg(long, global = true, value_enum, value_name = "WHEN", default_value_t)]
+    pub color: ColorChoice,
+    /// With --version: also the commit, the features and the versions of naga and wgpu
+    #[arg(long, requires = "version")]
+    pub verbose: bool,
     /// What to do
     #[command(subcommand)]
     pub command: Command,
@@ -182,6 +192,11 @@ pub enum Command {
     /// Measure how far a device's operations are off, beside what is promised
     #[cfg(feature = "run")]
     Calibrate(calibrate::CalibrateArgs),
+    /// Print a script with which a shell completes commands and options
+    Completions(completions::CompletionsArgs),
+    /// Write the manual in the form of `man`, a page for each command
+    #[command(hide = true)]
+    Man(completions::ManArgs),
     /// Run jobs of a lane that another process sends
     #[cfg(feature = "run")]
     #[command(hide = true)]
@@ -205,11 +220,24 @@ impl Command {
     }
 }
 
+impl Cli {
+    /// Reads the command line of the process.
+    ///
+    /// # Errors
+    /// What is to be printed before the process ends: usage, help or the version.
+    pub fn read() -> Result<Self, clap::Error> {
+        // `--version` is acted on where it stands, before what follows is read.
+        let verbose = std::env::args_os().any(|argument| argument == "--verbose");
+        let command = if verbose { Self::command().version(version::VERBOSE) } else { Self::command() };
+        Self::from_arg_matches(&command.try_get_matches()?)
+    }
+}
+
 /// Runs the command line.
 pub fn run(cli: &Cli) -> ExitStatus {
     let stdout = std::io::stdout();
     let stderr = std::io::stderr();
-    let color = stdout.is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    let color = cli.color.decide(stdout.is_terminal(), |name| std::env::var(name).ok());
     let mut out = std::io::BufWriter::new(WhileRead::new(stdout.lock()));
     let mut err = WhileRead::new(&stderr);
     #[cfg(all(unix, feature = "run"))]
@@ -244,6 +272,8 @@ pub fn run(cli: &Cli) -> ExitStatus {
         Command::Lanes(args) => lanes::run(args, &mut out),
         #[cfg(feature = "run")]
         Command::Calibrate(args) => calibrate::run(args, &mut out, &mut err),
+        Command::Completions(args) => completions::run(args, &mut out),
+        Command::Man(args) => completions::man(args),
         #[cfg(feature = "run")]
         Command::Worker(args) => worker::run(args, &mut out),
     };
