@@ -61,5 +61,6 @@ mod translate_validators;
 mod translated;
 mod translated_stages;
 mod undefined;
+mod upstream;
 mod webgpu;
 mod witnesses;

@@ -7,8 +7,20 @@ use super::{Fault, File, expect_none, file, messages, project};
 const PAGES: &str = "docs/book/src";
 
 /// Folders of the project that a path in a document may start with.
-const ROOTS: [&str; 10] =
-    [".ci/", "crates/", "deploy/", "docs/", "examples/", "fixtures/", "shaders/", "src/", "tests/", "xtask/"];
+const ROOTS: [&str; 12] = [
+    ".ci/",
+    "crates/",
+    "deploy/",
+    "docs/",
+    "editors/",
+    "examples/",
+    "fixtures/",
+    "shaders/",
+    "src/",
+    "tests/",
+    "upstream/",
+    "xtask/",
+];
 
 fn exists(path: &str, files: &[File]) -> bool {
     files.iter().any(|file| file.path == path || file.is_below(&[path]))
