@@ -12,7 +12,7 @@ mod known_failures;
 mod laws;
 mod literals;
 mod macros;
-mod schema;
+pub(crate) mod schema;
 mod textures;
 
 use std::fs;

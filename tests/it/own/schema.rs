@@ -18,7 +18,7 @@ fn broken(schema: &Value, value: &Value, at: &str) -> Vec<String> {
     let empty = Map::new();
     for key in schema.keys() {
         let holds = match key.as_str() {
-            "$schema" | "title" | "description" => true,
+            "$schema" | "$id" | "title" | "description" => true,
             "type" => {
                 let is = |name: &Value| match name.as_str().unwrap() {
                     "object" => value.is_object(),
@@ -93,7 +93,7 @@ fn broken(schema: &Value, value: &Value, at: &str) -> Vec<String> {
     all
 }
 
-fn of(schema: &Value, text: &str) -> Vec<String> {
+pub(crate) fn of(schema: &Value, text: &str) -> Vec<String> {
     let value: toml::Table = toml::from_str(text).unwrap_or_else(|error| panic!("{error}\n{text}"));
     broken(schema, &serde_json::to_value(value).unwrap(), "suite")
 }
