@@ -16,7 +16,8 @@ use test_record::not_run;
 use crate::binary::{Ran, root};
 use runner::{Event, Runner};
 
-const ACTION: &str = "deploy/github/action.yml";
+/// At the root, where the marketplace of GitHub wants it.
+const ACTION: &str = "action.yml";
 const WORKFLOW: &str = "deploy/github/workflow.yml";
 const GITLAB: &str = "deploy/gitlab/.gitlab-ci.yml";
 /// The workflow of this repository.
@@ -161,8 +162,58 @@ fn the_action_does_what_its_inputs_say() {
         runner.only_conditions();
         runner
     };
-    let wanted = ["Install a Vulkan driver", "Name the build", "Keep the build", "Build shadercheck", "Lint and check"];
-    assert_eq!(runner.would_run()[..5], wanted);
+    let wanted = [
+        "Install a Vulkan driver",
+        "Download shadercheck",
+        "Name the build",
+        "Keep the build",
+        "Build shadercheck",
+        "Lint and check",
+    ];
+    assert_eq!(runner.would_run()[..6], wanted);
+}
+
+/// What the script that downloads a release says, and whether it leaves a program; `spoil` changes the archive.
+fn downloaded(version: &str, spoil: bool) -> (Ran, bool) {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let name = format!("shadercheck-{}-unknown-linux-gnu", std::env::consts::ARCH);
+    fs::create_dir_all(at("v1.2.3")).unwrap();
+    fs::create_dir_all(at(&name)).unwrap();
+    let script = "#!/bin/sh\necho shadercheck 1.2.3\n";
+    fs::write(at(&name).join("shadercheck"), script).unwrap();
+    let archive = at("v1.2.3").join(format!("{name}.tar.gz"));
+    let shell = format!(
+        "chmod +x {name}/shadercheck && tar -czf {0} {name} && shasum -a 256 {0} > {0}.sha256",
+        archive.display()
+    );
+    let made = Command::new("sh").args(["-c", &shell]).current_dir(folder.path()).status().unwrap();
+    assert!(made.success());
+    if spoil {
+        fs::write(&archive, "other bytes").unwrap();
+    }
+    let base = format!("file://{}", folder.path().display());
+    let mut command = Command::new(root().join("deploy/github/download.sh"));
+    let ran: Ran = command.arg(version).arg(at("out")).env("BASE", base).output().unwrap().into();
+    (ran, at("out/bin/shadercheck").exists())
+}
+
+#[test]
+fn a_release_is_downloaded_and_what_is_not_one_is_built() {
+    if cfg!(not(target_os = "linux")) || Command::new("curl").arg("--version").output().is_err() {
+        return not_run("no curl: the download of the action");
+    }
+    let (ran, there) = downloaded("v1.2.3", false);
+    assert!(ran.code == 0 && there && ran.out.contains("shadercheck 1.2.3"), "{ran:?}");
+    for (version, spoil, why) in [
+        ("v1.2.4", false, "cannot be downloaded"),
+        ("main", false, "`main` is no version of a release"),
+        ("", false, "is no version of a release"),
+        ("v1.2.3", true, "has another SHA-256 than its release says"),
+    ] {
+        let (ran, there) = downloaded(version, spoil);
+        assert!(ran.code == 1 && !there && ran.out.contains(why), "{version}: {ran:?}");
+    }
 }
 
 /// Runs the script.

@@ -180,6 +180,7 @@ struct Artifacts {
 #[serde(deny_unknown_fields)]
 struct Reports {
     junit: String,
+    codequality: String,
 }
 
 /// Actions of others, with their inputs.
@@ -191,7 +192,7 @@ const OTHERS: &[(&str, &[&str])] = &[
     ("github/codeql-action/upload-sarif", &["sarif_file", "category"]),
 ];
 /// The action itself, as a workflow of somebody else names it.
-const OWN: &str = "OWNER/shadercheck/deploy/github";
+const OWN: &str = "OWNER/shadercheck";
 
 /// What is wrong with the files.
 pub fn faults(action: &str, workflow: &str, gitlab: &str) -> Vec<String> {
@@ -325,7 +326,12 @@ fn of_expressions<'t>(
                     faults.push(format!("{at}: there is no step `{step}`"));
                 }
             }
-            (["runner", "os" | "arch" | "temp"] | ["strategy", "job-index" | "job-total"] | ["github", "ref"], _) => {}
+            (
+                ["runner", "os" | "arch" | "temp"]
+                | ["strategy", "job-index" | "job-total"]
+                | ["github", "ref" | "action_ref" | "action_repository"],
+                _,
+            ) => {}
             (other, _) => faults.push(format!("{at}: `{}` is not known", other.join("."))),
         }
     }
@@ -361,7 +367,10 @@ fn of_gitlab(job: &GitlabJob, faults: &mut Vec<String>) {
     unless(job.artifacts.when == When::Always, "reports of a job that fails are kept".into());
     unless(job.artifacts.paths == [reports.clone()], "the folder of reports is kept".into());
     let junit = &job.artifacts.reports.junit;
-    unless(junit == &format!("{reports}/junit.xml"), format!("`{junit}` is not below the folder of reports"));
+    let quality = &job.artifacts.reports.codequality;
+    for (named, file) in [(junit, "junit.xml"), (quality, "code-quality.json")] {
+        unless(named == &format!("{reports}/{file}"), format!("`{named}` is not below the folder of reports"));
+    }
     for line in job.before_script.iter().chain(&job.script) {
         let Some(script) = line.split_whitespace().next().and_then(|word| word.split_once(".shadercheck/")) else {
             continue;

@@ -120,7 +120,7 @@ impl Runner {
         // As a runner calls it.
         command.args(["--noprofile", "--norc", "-e", "-o", "pipefail"]).arg(&script).current_dir(&self.workspace);
         command
-            .env("GITHUB_ACTION_PATH", root().join("deploy/github"))
+            .env("GITHUB_ACTION_PATH", root())
             .env("GITHUB_STEP_SUMMARY", file("summary"))
             .env("GITHUB_OUTPUT", &output)
             .env("RUNNER_TEMP", file("temp"))
