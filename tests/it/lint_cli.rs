@@ -308,7 +308,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn hooks_call_options_that_exist() {
     let help = run_in(root(), "lint --help").expect(0).out;
-    for name in [".pre-commit-hooks.yaml"] {
+    for name in [".pre-commit-hooks.yaml", "deploy/pre-commit/.pre-commit-hooks.yaml"] {
         let text = fs::read_to_string(root().join(name)).unwrap();
         let options: Vec<&str> = text
             .split(|c: char| !(c.is_ascii_alphanumeric() || c == '-'))

@@ -35,6 +35,7 @@ mod machine;
 mod modules;
 mod mutate;
 mod own;
+mod packages;
 mod page;
 mod piglit;
 mod planted;

@@ -8,7 +8,8 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail, ensure};
 
-use crate::cargo::{cargo, status, workspace};
+use crate::cargo::{program, status, workspace};
+use crate::folder::copy;
 
 /// The line of SUMMARY.md below which the pages of the rules are listed.
 const RULES: &str = "- [Lint rules](rules.md)\n";
@@ -36,7 +37,7 @@ pub fn run(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
     let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace.join("target"), PathBuf::from);
     let target = std::path::absolute(target)?;
     let program = match arguments {
-        [] => built(&target)?,
+        [] => program(&target)?,
         [option, program] if option == "--program" => {
             fs::canonicalize(program).with_context(|| format!("cannot find {}", program.display()))?
         }
@@ -64,34 +65,12 @@ pub fn run(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
     Ok(failed)
 }
 
-/// Builds the program; gives its path.
-fn built(target: &Path) -> Result<PathBuf> {
-    let failed = status(&mut cargo(["build", "--quiet", "--package", "shadercheck", "--bin", "shadercheck"]))?;
-    ensure!(failed == 0, "the program cannot be built");
-    Ok(target.join("debug").join(format!("shadercheck{}", std::env::consts::EXE_SUFFIX)))
-}
-
 /// What `shadercheck explain` prints about a rule, or the list of all rules.
 fn explain(program: &Path, code: Option<&str>) -> Result<String> {
     let output = Command::new(program).arg("explain").args(code).args(["--lang", "en"]).output();
     let output = output.with_context(|| format!("cannot start {}", program.display()))?;
     ensure!(output.status.success(), "`explain` failed: {}", String::from_utf8_lossy(&output.stderr).trim());
     Ok(String::from_utf8(output.stdout)?)
-}
-
-/// Copies a folder with everything in it.
-fn copy(from: &Path, to: &Path) -> Result<()> {
-    fs::create_dir_all(to).with_context(|| format!("cannot make {}", to.display()))?;
-    for entry in fs::read_dir(from).with_context(|| format!("cannot list {}", from.display()))? {
-        let entry = entry?;
-        let (from, to) = (entry.path(), to.join(entry.file_name()));
-        if entry.file_type()?.is_dir() {
-            copy(&from, &to)?;
-        } else {
-            fs::copy(&from, &to).with_context(|| format!("cannot copy {}", from.display()))?;
-        }
-    }
-    Ok(())
 }
 
 /// Adds the pages of the rules to the sources of the book.

@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 
 /// The folder of the workspace. Cargo sets the variable when it runs this program.
 pub fn workspace() -> Result<PathBuf> {
@@ -26,6 +26,13 @@ pub fn cargo<S: AsRef<OsStr>>(arguments: impl IntoIterator<Item = S>) -> Command
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.args(arguments);
     command
+}
+
+/// Builds the program in the profile of development; gives its path.
+pub fn program(target: &Path) -> Result<PathBuf> {
+    let failed = status(&mut cargo(["build", "--quiet", "--package", "shadercheck", "--bin", "shadercheck"]))?;
+    ensure!(failed == 0, "the program cannot be built");
+    Ok(target.join("debug").join(format!("shadercheck{}", std::env::consts::EXE_SUFFIX)))
 }
 
 /// Runs a command on this terminal; gives the exit status that this program is to pass on.

@@ -4,9 +4,11 @@ mod against;
 mod book;
 mod cargo;
 mod features;
+mod folder;
 mod host;
 mod not_run;
 mod opengl;
+mod package;
 mod setup;
 #[cfg(unix)]
 mod slurm;
@@ -37,6 +39,12 @@ usage: cargo xtask <task> [arguments]
   book [--program FILE]
                     write the book in docs/book with a page for each lint rule, and make a web site of it with
                     mdBook, in target/book/html; --program takes the rules from FILE and builds nothing
+  package [--program FILE] [--lint] [--papers FOLDER] [archive] [deb] [npm] [wheel]
+                    build the program as it is released, and packages of it in target/package/out: archive with completions,
+                    manual, licences and bill of materials, Debian package, npm packages, Python wheel; install each
+                    into an empty folder and lint a shader with it; --program packages FILE, --lint builds the linter
+                    alone; formats that are named are made, or else all whose tools are installed; --papers writes what
+                    comes with the program to FOLDER, and packages nothing
   soundness [--samples N] [--seed N]
                     judge devices that err as far as they may, 100 million samples unless told
                     otherwise; status 1 when one of them is accused
@@ -80,6 +88,7 @@ fn run(arguments: Vec<OsString>, messages: &mut dyn Write) -> Result<u8> {
         Some("tidy") if rest.is_empty() => tasks::tidy(messages),
         Some("bench") => tasks::bench(&rest, messages),
         Some("book") => book::run(&rest, messages),
+        Some("package") => package::run(&rest, messages),
         Some("soundness") => tasks::soundness(&rest),
         #[cfg(unix)]
         Some("slurm-demo") => slurm::run(&rest, messages),
@@ -127,7 +136,19 @@ mod tests {
 
     #[test]
     fn usage_names_every_task() {
-        for task in ["check", "test", "tidy", "bench", "book", "soundness", "survey", "piglit", "slurm-demo"] {
+        for task in [
+            "check",
+            "test",
+            "tidy",
+            "bench",
+            "book",
+            "editor",
+            "package",
+            "soundness",
+            "survey",
+            "piglit",
+            "slurm-demo",
+        ] {
             assert!(USAGE.lines().any(|l| l.starts_with(&format!("  {task} "))), "{task}");
         }
     }

@@ -1,0 +1,8 @@
+"""``python -m shadercheck``."""
+
+import sys
+
+from . import run
+
+if __name__ == "__main__":
+    sys.exit(run(sys.argv[1:]).returncode)
