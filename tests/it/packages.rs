@@ -4,6 +4,7 @@
 use std::fs;
 use std::process::Command;
 
+use serde_json::Value;
 use test_record::not_run;
 
 use crate::binary::{Ran, command, root};
@@ -81,6 +82,8 @@ fn packages_have_the_version_of_the_program() {
     );
     assert!(text("deploy/homebrew/shadercheck.rb").contains(&format!("/v{version}.tar.gz")));
     assert!(text("deploy/kubernetes/shards.yaml").contains(&format!("image: shadercheck:{version}\n")));
+    let extension: Value = serde_json::from_str(&text("editors/vscode/package.json")).unwrap();
+    assert_eq!(extension["version"], version);
     // The wheel takes it from Cargo.toml.
     let wheel: toml::Table = toml::from_str(&text("pyproject.toml")).unwrap();
     assert!(wheel["project"]["dynamic"].as_array().unwrap().iter().any(|key| key.as_str() == Some("version")));

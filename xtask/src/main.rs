@@ -3,6 +3,7 @@
 mod against;
 mod book;
 mod cargo;
+mod editor;
 mod features;
 mod folder;
 mod host;
@@ -39,6 +40,8 @@ usage: cargo xtask <task> [arguments]
   book [--program FILE]
                     write the book in docs/book with a page for each lint rule, and make a web site of it with
                     mdBook, in target/book/html; --program takes the rules from FILE and builds nothing
+  editor [--program FILE]
+                    build the extension for VS Code, test it with the program, and package it; needs npm
   package [--program FILE] [--lint] [--papers FOLDER] [archive] [deb] [npm] [wheel]
                     build the program as it is released, and packages of it in target/package/out: archive with completions,
                     manual, licences and bill of materials, Debian package, npm packages, Python wheel; install each
@@ -88,6 +91,7 @@ fn run(arguments: Vec<OsString>, messages: &mut dyn Write) -> Result<u8> {
         Some("tidy") if rest.is_empty() => tasks::tidy(messages),
         Some("bench") => tasks::bench(&rest, messages),
         Some("book") => book::run(&rest, messages),
+        Some("editor") => editor::run(&rest, messages),
         Some("package") => package::run(&rest, messages),
         Some("soundness") => tasks::soundness(&rest),
         #[cfg(unix)]
