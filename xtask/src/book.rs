@@ -8,11 +8,17 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail, ensure};
 
+use crate::accuracy;
 use crate::cargo::{program, status, workspace};
 use crate::folder::copy;
+use crate::site;
 
 /// The line of SUMMARY.md below which the pages of the rules are listed.
 const RULES: &str = "- [Lint rules](rules.md)\n";
+
+/// The line of SUMMARY.md below which the page of the errors of devices is listed.
+const CALIBRATE: &str = "- [Measure a device](calibrate.md)\n";
+const ACCURACY: &str = "  - [How exact devices are](accuracy.md)\n";
 
 /// The words of the third column of `shadercheck explain`.
 const SEVERITIES: [&str; 3] = ["error", "warning", "info"];
@@ -52,17 +58,24 @@ pub fn run(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
     fs::copy(workspace.join("ARCHITECTURE.md"), folder.join("ARCHITECTURE.md"))
         .context("cannot copy ARCHITECTURE.md")?;
     let book = folder.join("docs").join("book");
-    write(&book.join("src"), pages(&explain(&program, None)?, &|code| explain(&program, Some(code)))?)?;
+    write(&book.join("src"), pages(&explain(&program, None)?, &|code| explain(&program, Some(code)))?, RULES)?;
+    let devices = accuracy::page(&workspace.join("crates/judge/profiles"))?;
+    write(&book.join("src"), (vec![("accuracy.md".to_owned(), devices)], ACCURACY.to_owned()), CALIBRATE)?;
     if Command::new("mdbook").arg("--version").output().is_err() {
         writeln!(messages, "xtask: mdBook is missing; to install it: cargo install mdbook --locked")?;
         return Ok(2);
     }
     let site = folder.join("html");
     let failed = status(Command::new("mdbook").arg("build").arg(&book).arg("--dest-dir").arg(&site))?;
-    if failed == 0 {
-        writeln!(messages, "xtask: the book is {}", site.join("index.html").display())?;
+    if failed != 0 {
+        return Ok(failed);
     }
-    Ok(failed)
+    let broken = site::broken(&site)?;
+    for fault in &broken {
+        writeln!(messages, "xtask: {fault}")?;
+    }
+    writeln!(messages, "xtask: the book is {}", site.join("index.html").display())?;
+    Ok(u8::from(!broken.is_empty()))
 }
 
 /// What `shadercheck explain` prints about a rule, or the list of all rules.
@@ -73,8 +86,8 @@ fn explain(program: &Path, code: Option<&str>) -> Result<String> {
     Ok(String::from_utf8(output.stdout)?)
 }
 
-/// Adds the pages of the rules to the sources of the book.
-fn write(source: &Path, (pages, lines): Pages) -> Result<()> {
+/// Adds pages to the sources of the book, and their lines to the table of contents, below the line `above`.
+fn write(source: &Path, (pages, lines): Pages, above: &str) -> Result<()> {
     for (name, text) in pages {
         let path = source.join(name);
         fs::create_dir_all(path.parent().unwrap_or(source))?;
@@ -82,13 +95,13 @@ fn write(source: &Path, (pages, lines): Pages) -> Result<()> {
     }
     let summary = source.join("SUMMARY.md");
     let text = fs::read_to_string(&summary).with_context(|| format!("cannot read {}", summary.display()))?;
-    Ok(fs::write(&summary, listed(&text, &lines)?)?)
+    Ok(fs::write(&summary, listed(&text, &lines, above)?)?)
 }
 
-/// SUMMARY.md with the pages of the rules.
-fn listed(summary: &str, lines: &str) -> Result<String> {
-    let (before, behind) = summary.split_once(RULES).context("SUMMARY.md does not list rules.md")?;
-    Ok(format!("{before}{RULES}{lines}{behind}"))
+/// SUMMARY.md with lines below another.
+fn listed(summary: &str, lines: &str, above: &str) -> Result<String> {
+    let (before, behind) = summary.split_once(above).with_context(|| format!("SUMMARY.md lacks `{}`", above.trim()))?;
+    Ok(format!("{before}{above}{lines}{behind}"))
 }
 
 /// One page for each rule that has one, and a table of all. `explain` gives the page of a rule.
@@ -172,8 +185,8 @@ E001                      error    no `a | b`
 
     #[test]
     fn the_summary_of_the_book_lists_the_page_of_the_rules() {
-        let listed = listed(include_str!("../../docs/book/src/SUMMARY.md"), "  - [A](rules/a.md)\n").unwrap();
+        let listed = listed(include_str!("../../docs/book/src/SUMMARY.md"), "  - [A](rules/a.md)\n", RULES).unwrap();
         assert!(listed.contains("(rules.md)\n  - [A](rules/a.md)\n"));
-        assert!(super::listed("# Summary\n", "").is_err());
+        assert!(super::listed("# Summary\n", "", RULES).is_err());
     }
 }

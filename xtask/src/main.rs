@@ -1,5 +1,6 @@
 //! Set-up, gate, tests and benchmarks of shadercheck: `cargo xtask`.
 
+mod accuracy;
 mod against;
 mod book;
 mod cargo;
@@ -11,6 +12,7 @@ mod not_run;
 mod opengl;
 mod package;
 mod setup;
+mod site;
 #[cfg(unix)]
 mod slurm;
 mod snapshots;
@@ -38,8 +40,8 @@ usage: cargo xtask <task> [arguments]
                     [--samples N] [--rounds N] [--program FILE], beside a test written by hand with
                     moderngl and numpy, in a Python environment that is thrown away
   book [--program FILE]
-                    write the book in docs/book with a page for each lint rule, and make a web site of it with
-                    mdBook, in target/book/html; --program takes the rules from FILE and builds nothing
+                    write the book in docs/book with a page for each lint rule and one of the errors of devices, and make a web
+                    site of it with mdBook, in target/book/html, whose links are checked; --program takes the rules from FILE and builds nothing
   editor [--program FILE]
                     build the extension for VS Code, test it with the program, and package it; needs npm
   package [--program FILE] [--lint] [--papers FOLDER] [archive] [deb] [npm] [wheel]
