@@ -1,7 +1,7 @@
 //! `shadercheck lint`: finds faults in shaders and in the host code around them, and repairs them.
 
 mod config;
-mod diff;
+pub(super) mod diff;
 mod files;
 mod groups;
 mod known;
@@ -9,7 +9,7 @@ mod modules;
 #[cfg(feature = "run")]
 mod prove;
 mod summary;
-mod write;
+pub(super) mod write;
 
 use std::io::Write;
 use std::path::PathBuf;

@@ -19,6 +19,8 @@ pub mod explain;
 #[cfg(feature = "run")]
 pub mod fuzz;
 #[cfg(feature = "run")]
+pub mod improve;
+#[cfg(feature = "run")]
 mod includes;
 #[cfg(feature = "run")]
 pub mod init;
@@ -167,6 +169,9 @@ pub enum Command {
     /// Hold a function of one text against that of another, in whatever languages they are
     #[cfg(feature = "run")]
     Compare(compare::CompareArgs),
+    /// Find formulas that lose fewer bits than the expressions of a shader
+    #[cfg(feature = "run")]
+    Improve(improve::ImproveArgs),
     /// Write first suites for a folder of shaders
     #[cfg(feature = "run")]
     Init(init::InitArgs),
@@ -209,14 +214,20 @@ impl Command {
     pub fn opens_devices(&self) -> bool {
         matches!(
             self,
-            Self::Check(_) | Self::Fuzz(_) | Self::Compare(_) | Self::Lanes(_) | Self::Calibrate(_) | Self::Mutate(_)
+            Self::Check(_)
+                | Self::Fuzz(_)
+                | Self::Compare(_)
+                | Self::Improve(_)
+                | Self::Lanes(_)
+                | Self::Calibrate(_)
+                | Self::Mutate(_)
         )
     }
 
     /// True when the command reports what it found so far when a signal asks it to end.
     #[cfg(all(unix, feature = "run"))]
     fn ends_early(&self) -> bool {
-        matches!(self, Self::Check(_) | Self::Fuzz(_) | Self::Compare(_) | Self::Mutate(_))
+        matches!(self, Self::Check(_) | Self::Fuzz(_) | Self::Compare(_) | Self::Improve(_) | Self::Mutate(_))
     }
 }
 
@@ -256,6 +267,8 @@ pub fn run(cli: &Cli) -> ExitStatus {
         Command::Fuzz(args) => fuzz::run(args, &mut out, &mut err, color),
         #[cfg(feature = "run")]
         Command::Compare(args) => compare::run(args, &mut out, &mut err, color),
+        #[cfg(feature = "run")]
+        Command::Improve(args) => improve::run(args, &mut out, &mut err, color),
         #[cfg(feature = "run")]
         Command::Init(args) => init::run(args, &mut out, &mut err),
         Command::Lint(args) => lint::run(args, &mut out, &mut err, color),

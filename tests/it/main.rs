@@ -22,6 +22,7 @@ mod fuzz_realistic;
 mod geometry;
 mod glsl_differential;
 mod hostile;
+mod improve;
 mod interp;
 mod interrupt;
 mod json;

@@ -8,6 +8,7 @@ pub mod compare;
 pub mod dispatch;
 pub mod fuzz;
 pub mod guess;
+pub mod improve;
 mod input_value;
 pub mod mutate;
 pub mod session;

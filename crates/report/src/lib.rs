@@ -11,6 +11,8 @@ pub mod fuzz;
 mod gitlab;
 #[cfg(feature = "run")]
 pub mod html;
+#[cfg(feature = "run")]
+pub mod improve;
 pub mod lint;
 #[cfg(feature = "run")]
 pub mod mutate;

@@ -1,0 +1,169 @@
+//! Points of an expression: the values of its leaves in samples of its function.
+
+use std::ops::Range;
+
+use super::lower::Leaf;
+use crate::fuzz::{Domain, InputDomain, Interval, Ready, batch};
+use base::value::{Batch, Record, Scalar};
+use property::{Stream, mix};
+
+/// Points at which an input is 0, at one of its ends, or 1.
+const SPECIAL: usize = 512;
+
+/// What values that are not known are taken from.
+const UNKNOWN: [f32; 2] = [-2.0, 2.0];
+const TEXEL: [f32; 2] = [0.0, 1.0];
+
+/// What a leaf is: a word of a record, or a number of which nothing is known.
+#[derive(Clone, Debug)]
+enum Source {
+    Word { of_case: bool, word: usize, field: usize },
+    Any([f32; 2]),
+}
+
+/// Draws points.
+pub(super) struct Drawer<'a> {
+    ready: &'a Ready,
+    domain: &'a Domain,
+    key: u64,
+    sources: Vec<Source>,
+}
+
+/// An input of an expression, as it is told.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InputRange {
+    /// Its text.
+    pub name: String,
+    /// The smallest and the largest value in the samples.
+    pub range: [f32; 2],
+    /// Where the range comes from: nothing where it is stated.
+    pub taken_for: Option<String>,
+}
+
+impl<'a> Drawer<'a> {
+    /// # Errors
+    /// Where a stated range of an input has no end.
+    pub(super) fn new(ready: &'a Ready, domain: &'a Domain, key: u64, leaves: &[Leaf]) -> Result<Self, String> {
+        let sources: Vec<Source> = leaves.iter().map(|leaf| source(ready, leaf)).collect();
+        let drawer = Self { ready, domain, key, sources };
+        for (source, leaf) in drawer.sources.iter().zip(leaves) {
+            let Some(interval) = drawer.stated(source).and_then(InputDomain::interval) else { continue };
+            if !interval.low.is_finite() || !interval.high.is_finite() {
+                let law = crate::fuzz::Law::Within(interval);
+                return Err(format!(
+                    "`{}` {law}: a range without an end says nothing about what is lost; state both, such as `--domain '{}=[0.001,1000]'`",
+                    leaf.text, leaf.text
+                ));
+            }
+        }
+        Ok(drawer)
+    }
+
+    fn stated(&self, source: &Source) -> Option<&InputDomain> {
+        let Source::Word { of_case, field, .. } = source else { return None };
+        let side = if *of_case { &self.domain.case } else { &self.domain.invocation };
+        side.get(*field).filter(|input| input.is_stated())
+    }
+
+    /// Points of samples from number `first` on.
+    pub(super) fn draw(&self, first: u64, count: usize) -> Vec<Vec<f32>> {
+        let kernel = &self.ready.kernel;
+        let records = (&kernel.invocation, &kernel.case);
+        let batch = if self.domain.is_stated() {
+            batch(records.0, records.1, self.domain, self.key, first, count)
+        } else {
+            self.ready.realistic.batch(records, self.domain, self.key, first, count)
+        };
+        let mut stream = Stream::new(mix(self.key ^ 0x1eaf, first));
+        let point = |k: usize| self.sources.iter().map(|source| value(source, &batch, k, &mut stream)).collect();
+        let points = (0..batch.invocation_count()).map(point);
+        points.filter(|point: &Vec<f32>| point.iter().all(|x| x.is_finite())).collect()
+    }
+
+    /// Points at the ends of ranges, at 0 and at 1: one input there, or two.
+    pub(super) fn special(&self) -> Vec<Vec<f32>> {
+        let mut points = self.draw(1 << 40, SPECIAL);
+        let ranges: Vec<[f32; 2]> = (0..self.sources.len()).map(|leaf| range(&points, leaf)).collect();
+        let width = self.sources.len();
+        for (k, point) in points.iter_mut().enumerate() {
+            for leaf in [k % width, (k / width / 4) % width] {
+                let [low, high] = ranges[leaf];
+                let wanted = [0.0, low, high, 1.0][(k / width) % 4];
+                if self.admits(leaf, wanted, [low, high]) {
+                    point[leaf] = wanted;
+                }
+            }
+        }
+        points
+    }
+
+    fn admits(&self, leaf: usize, x: f32, [low, high]: [f32; 2]) -> bool {
+        let source = &self.sources[leaf];
+        let Some(input) = self.stated(source) else { return (low..=high).contains(&x) };
+        // One component of a vector of length 1 has no value of its own.
+        let lone = matches!(input.laws[..], [crate::fuzz::Law::Within(_)]);
+        lone && input.interval().is_some_and(|interval: Interval| interval.contains(f64::from(x)))
+    }
+
+    /// What the inputs are, for reports.
+    pub(super) fn inputs(&self, leaves: &[Leaf], points: &[Vec<f32>]) -> Vec<InputRange> {
+        let taken = self.ready.realistic.taken_for(self.domain);
+        let of = |(leaf, source): (usize, &Source)| {
+            let taken_for = match source {
+                Source::Any(_) => leaves[leaf].opaque.clone(),
+                Source::Word { of_case, field, .. } => {
+                    let before = if *of_case { self.domain.invocation.len() } else { 0 };
+                    taken.get(before + field).copied().flatten().map(str::to_owned)
+                }
+            };
+            InputRange { name: leaves[leaf].text.clone(), range: range(points, leaf), taken_for }
+        };
+        self.sources.iter().enumerate().map(of).collect()
+    }
+}
+
+/// The smallest and the largest value of a leaf.
+fn range(points: &[Vec<f32>], leaf: usize) -> [f32; 2] {
+    let values = || points.iter().map(|point| point[leaf]);
+    [values().fold(f32::INFINITY, f32::min), values().fold(f32::NEG_INFINITY, f32::max)]
+}
+
+fn value(source: &Source, batch: &Batch, k: usize, stream: &mut Stream) -> f32 {
+    match source {
+        Source::Word { of_case, word, .. } => {
+            f32::from_bits(if *of_case { batch.case_of(k) } else { batch.invocation(k) }[*word])
+        }
+        Source::Any([low, high]) => {
+            let part = (stream.bits() >> 40) as f32 / (1u64 << 24) as f32;
+            low + (high - low) * part
+        }
+    }
+}
+
+fn source(ready: &Ready, leaf: &Leaf) -> Source {
+    if let Some(why) = &leaf.opaque {
+        return Source::Any(if why.contains("texture") || why.contains("texel") { TEXEL } else { UNKNOWN });
+    }
+    let find = |record: &Record, of_case: bool| {
+        let all = record.fields().iter().enumerate();
+        let found = all.filter(|(_, field)| field.shape.scalar == Scalar::F32).find_map(|(k, field)| {
+            let rest = leaf.text.strip_prefix(&field.name)?;
+            Some((k, component(rest, record.range(k))?))
+        });
+        found.map(|(field, word)| Source::Word { of_case, word, field })
+    };
+    let kernel = &ready.kernel;
+    find(&kernel.invocation, false).or_else(|| find(&kernel.case, true)).unwrap_or(Source::Any(UNKNOWN))
+}
+
+/// The word that a text behind the name of a field means: nothing, a component, an index.
+fn component(rest: &str, words: Range<usize>) -> Option<usize> {
+    let at = match rest {
+        "" => 0,
+        _ => match rest.strip_prefix('.') {
+            Some(name) if name.len() == 1 => ["xyzw", "rgba", "stpq"].iter().find_map(|set| set.find(name))?,
+            _ => rest.strip_prefix('[')?.strip_suffix(']')?.parse().ok()?,
+        },
+    };
+    (rest.is_empty() == (words.len() == 1) && at < words.len()).then_some(words.start + at)
+}

@@ -1,0 +1,35 @@
+//! Other formulas for an expression of real numbers, and how many bits each loses in binary32.
+//!
+//! ```text
+//! Term ─ rules ─▶ e-graph, each class with its values at the points ─ estimate of error ─▶ terms
+//!      ─ run in binary32 at many points ─▶ Candidate, or two of them with a threshold between
+//! ```
+//!
+//! What this crate finds is a proposal. Its rules hold in real numbers, its guards are looked up at points; whoever writes
+//! a proposal into a text proves it first.
+
+mod error;
+mod extract;
+mod graph;
+mod normal;
+mod proof;
+mod real;
+mod regimes;
+pub mod rules;
+mod search;
+mod series;
+mod single;
+mod term;
+#[cfg(test)]
+mod tests;
+mod write;
+
+pub use egg::Id;
+pub use error::{WORST, bits};
+pub use graph::Points;
+pub use proof::{Proof, prove};
+pub use regimes::Split;
+pub use search::{Candidate, Improved, Settings, cost, search};
+pub use single::{Losses, folded, reference, run};
+pub use term::{BINARY, Binary, Constant, Node, Term, UNARY, Unary, parse};
+pub use write::{Dialect, written};

@@ -1,0 +1,248 @@
+//! `shadercheck improve`: formulas that lose fewer bits than the expressions of a shader.
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use anyhow::Context as _;
+use clap::Args;
+
+use super::StageName;
+use super::check::{Format, profile, shell_word};
+use super::compose::{ComposeArgs, Given};
+use super::fuzz::{Inputs, all_known, stated, subjects};
+use super::includes::{self, IncludedText};
+use super::lint::{diff, write};
+use super::status::ExitStatus;
+use super::translate;
+use base::diagnostic::Lang;
+use base::text::{EditList, Shown as _, SourceFile};
+use engine::improve::{self, Request};
+use engine::suite::run::DEFAULT_SEED;
+use judge::profile::Profile;
+use lanes::{Lane, StandIn, Wanted, interrupt};
+use lint::fix::FixedFile;
+use program::Written;
+use report::improve::{FileReport, Summary, json, text};
+use syntax::Parsed;
+
+/// Points of a proof, when none are asked for.
+const SAMPLES: u64 = 1 << 20;
+
+/// Nodes of the graph of an expression.
+const NODES: usize = 6000;
+
+/// Arguments of `shadercheck improve`.
+#[derive(Args, Clone, Debug)]
+#[command(after_long_help = "\
+Each expression of a function that is a number and loses bits in binary32 is written in other ways: by rules such as \
+1 − cos x = 2 sin²(x/2), differences of roots by their conjugate, ln(1 + x) by artanh. Local variables that are set once are \
+written out; what no rule is about (a texture, a call, a choice) is taken as it is. What loses least over the inputs is proved: \
+in real numbers it is the same at all points, first in binary64 and, where that has too few digits, in 320 bits. Then the judge \
+compares both functions, with the bounds of a device and on the lanes. At most three proposals are shown; nothing is written \
+without --fix.
+
+Inputs are taken for what their names and uses say, as in `fuzz`. A range is stated by a comment before the function,
+
+  // shadercheck: lat in [-85, 85]
+
+or by --domain. The range of an input of an expression must have both ends.
+
+Exit status: 0 nothing better was found, or it was written; 1 there are proposals, or a file does not compile; 2 usage.")]
+pub struct ImproveArgs {
+    /// Shader files in GLSL; `FILE:LINE` for the expressions at a line alone, however little they lose
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<PathBuf>,
+    /// Only functions of this name; with the types of the parameters, one of several: `f(vec3, float)`
+    #[arg(long, value_name = "NAME")]
+    pub function: Vec<String>,
+    /// Stage of the files, where their endings do not say it or say another
+    #[arg(long, value_enum, value_name = "STAGE")]
+    pub stage: Option<StageName>,
+    /// Values that an input takes: `x=[0,1]`, `f.x=[1,8]`, `n=normalised`; repeatable
+    #[arg(long, value_name = "INPUT=DOMAIN", allow_hyphen_values = true)]
+    pub domain: Vec<String>,
+    /// Value of a macro: `--define WIDTH=8`; repeatable
+    #[arg(short = 'D', long, value_name = "NAME=VALUE", value_parser = translate::definition)]
+    pub define: Vec<(String, String)>,
+    /// Folders that are searched for included files
+    #[arg(short = 'I', long = "include", value_name = "FOLDER")]
+    pub include: Vec<PathBuf>,
+    /// Lanes that run both formulas
+    #[arg(long, value_name = "LANE", value_delimiter = ',', default_value = "embedded")]
+    pub lane: Vec<String>,
+    /// What bounds are derived from: a shipped profile by name, or a file that `calibrate` wrote
+    #[arg(long, value_name = "PROFILE", default_value = "vulkan-1.4")]
+    pub profile: String,
+    /// Points at which a proposal is proved
+    #[arg(long, value_name = "N", default_value_t = SAMPLES, value_parser = clap::value_parser!(u64).range(1..))]
+    pub samples: u64,
+    /// Seed of the inputs: the same seed gives the same inputs everywhere
+    #[arg(long, value_name = "S", default_value_t = DEFAULT_SEED)]
+    pub seed: u64,
+    /// Write the first proposal of each expression into its file
+    #[arg(long)]
+    pub fix: bool,
+    /// How the result is printed
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Runs the command: the result goes to `out`, complaints to `err`.
+///
+/// # Errors
+/// When a file cannot be read or written, is no GLSL, a name is unknown, a range has no end, a lane is not available, or
+/// output fails.
+pub fn run(args: &ImproveArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
+    let stage = args.stage.map(syntax::Stage::from);
+    let stated = stated(&args.domain)?;
+    let Some(profile) = profile::named(&args.profile)? else {
+        anyhow::bail!("--profile: a proposal needs bounds; `none` has none");
+    };
+    let opened = Wanted { stand_in: StandIn::Beside, ..Wanted::named(&args.lane) }.open()?;
+    let missing: Vec<String> = opened.missing.iter().map(|(name, error)| format!("lane `{name}`: {error}")).collect();
+    anyhow::ensure!(missing.is_empty(), "{}", missing.join("; "));
+    let lanes: Vec<&dyn Lane> = opened.lanes.iter().map(AsRef::as_ref).collect();
+    let mut inputs = Inputs::new(&stated);
+    let mut known = Vec::new();
+    let mut summary = Summary { seed: args.seed, profile: profile.name.clone(), files: Vec::new() };
+    let mut broken = false;
+    for given in &args.files {
+        let (path, line) = at_line(given);
+        let compose = ComposeArgs::default();
+        let reading =
+            Given { folders: &args.include, defines: &args.define, compose: Some(&compose), entry: None, stage };
+        let mut source = includes::read(&path, &reading)?;
+        source.stage = stage.unwrap_or(source.stage);
+        anyhow::ensure!(
+            Written::of(&source.file) == Written::Glsl,
+            "`{}`: expressions of GLSL are improved; translate it, or improve the formula in a file of its own",
+            path.shown()
+        );
+        let run = Run { args, source: &source, line, profile: &profile, lanes: &lanes };
+        match run.file(&path, &mut inputs, &mut known, err)? {
+            Some(report) => summary.files.push(report),
+            None => broken = true,
+        }
+        if interrupt::asked() {
+            break;
+        }
+    }
+    if !broken && interrupt::signal().is_none() {
+        all_known(&args.function, &known)?;
+        inputs.all_used()?;
+    }
+    match args.format {
+        Format::Text => out.write_all(text(&summary, color).as_bytes())?,
+        Format::Json => out.write_all(json(&summary).as_bytes())?,
+    }
+    out.flush()?;
+    Ok(match interrupt::signal() {
+        Some(signal) => ExitStatus::Interrupted(signal),
+        None if broken || (summary.counts().0 > 0 && !args.fix) => ExitStatus::Findings,
+        None => ExitStatus::Clean,
+    })
+}
+
+/// A file and a line of it: `a.frag:12`.
+fn at_line(path: &std::path::Path) -> (PathBuf, Option<usize>) {
+    let parts = path.to_str().filter(|_| !path.is_file()).and_then(|text| text.rsplit_once(':'));
+    match parts.and_then(|(file, line)| Some((file, line.parse().ok()?))) {
+        Some((file, line)) => (PathBuf::from(file), Some(line)),
+        None => (path.to_owned(), None),
+    }
+}
+
+/// One file under way.
+struct Run<'a> {
+    args: &'a ImproveArgs,
+    source: &'a IncludedText,
+    line: Option<usize>,
+    profile: &'a Profile,
+    lanes: &'a [&'a dyn Lane],
+}
+
+impl Run<'_> {
+    /// The report; none where the file does not compile, which is printed.
+    fn file(
+        &self,
+        path: &std::path::Path,
+        inputs: &mut Inputs<'_>,
+        known: &mut Vec<String>,
+        err: &mut dyn Write,
+    ) -> anyhow::Result<Option<FileReport>> {
+        let own = translate::read(path)?;
+        let (errors, subjects) = subjects((&self.args.function, &self.args.define), self.source, known)?;
+        for error in &errors {
+            err.write_all(report::diagnostics::text(error, Lang::En, false).as_bytes())?;
+        }
+        if !errors.is_empty() {
+            return Ok(None);
+        }
+        let parsed = self.source.parsed(&self.args.define);
+        let request = Request {
+            samples: self.args.samples,
+            seed: self.args.seed,
+            profile: self.profile,
+            line: self.line,
+            nodes: NODES,
+            time: Duration::from_secs(4),
+            command: format!("shadercheck improve {}", shell_word(&self.source.given)),
+        };
+        let mut report = FileReport { file: self.source.name.clone(), ..FileReport::default() };
+        for subject in &subjects {
+            if let Err(why) = &subject.ready {
+                report.not_run.push((subject.label.clone(), why.clone()));
+                continue;
+            }
+            let domain = inputs.domain(subject)?;
+            let again = |file: &SourceFile| self.again(file, path);
+            let found = improve::run((&parsed, &own, subject), &domain, self.lanes, &request, &again);
+            report.expressions.extend(found.map_err(|why| anyhow::anyhow!("{}: {why}", subject.at))?);
+            if interrupt::asked() {
+                break;
+            }
+        }
+        self.patched(path, &own, &mut report)?;
+        Ok(Some(report))
+    }
+
+    /// A changed file, read in the way of the first.
+    fn again(&self, file: &SourceFile, path: &std::path::Path) -> Parsed {
+        let reading = Given {
+            folders: &self.args.include,
+            defines: &self.args.define,
+            compose: None,
+            entry: None,
+            stage: self.args.stage.map(syntax::Stage::from),
+        };
+        match includes::with_includes(file, path, &reading) {
+            Ok(mut text) => {
+                text.stage = self.source.stage;
+                text.parsed(&self.args.define)
+            }
+            Err(_) => syntax::Shader::parse_with(file, self.source.stage, &self.args.define),
+        }
+    }
+
+    /// The patch of the first proposals, written where that is asked for.
+    fn patched(&self, path: &std::path::Path, own: &SourceFile, report: &mut FileReport) -> anyhow::Result<()> {
+        let mut edits = EditList::new();
+        for expression in &report.expressions {
+            if let Some(first) = expression.proposals.first() {
+                edits.push(first.edit.clone());
+            }
+        }
+        if edits.is_empty() {
+            return Ok(());
+        }
+        let changed = edits.apply(own.text()).context("internal error, please report: the proposals overlap")?;
+        let after = SourceFile::new(own.name(), changed.text.as_str());
+        if self.args.fix {
+            write::replace(path, own.text().as_bytes(), after.text().as_bytes())?;
+            report.written = true;
+        }
+        report.patch = Some(diff::unified(&FixedFile { before: own.clone(), after }));
+        Ok(())
+    }
+}

@@ -1,0 +1,111 @@
+//! `shadercheck improve`: better formulas are found, proved and written; sound ones are left alone; and what cannot be
+//! improved is said.
+
+use std::fs;
+
+use serde_json::Value;
+
+use crate::binary::{Ran, root, run_in};
+
+/// Runs on a copy of the fixtures, so that nothing is written beside them.
+fn improved(arguments: &str) -> (Ran, tempfile::TempDir) {
+    let folder = tempfile::tempdir().unwrap();
+    for file in fs::read_dir(root().join("fixtures/improve")).unwrap() {
+        let file = file.unwrap();
+        fs::copy(file.path(), folder.path().join(file.file_name())).unwrap();
+    }
+    (run_in(folder.path(), &format!("improve {arguments} --samples 65536")), folder)
+}
+
+fn expression<'r>(report: &'r Value, function: &str) -> &'r Value {
+    let all = report["files"][0]["expressions"].as_array().unwrap();
+    all.iter().find(|one| one["function"] == function).unwrap_or_else(|| panic!("{function}: {report}"))
+}
+
+fn mean(of: &Value) -> f64 {
+    of["lost"]["mean"].as_f64().unwrap()
+}
+
+#[test]
+fn each_planted_formula_gets_a_better_one_that_is_proved() {
+    let report = improved("formulas.glsl --format json").0.expect(1).json();
+    for function in ["mercatorY", "latitude", "haversine", "rootStep", "growth"] {
+        let one = expression(&report, function);
+        let best = &one["proposals"][0];
+        assert!(mean(best) < 0.75 * mean(one), "{one}");
+        let proof = &best["proof"];
+        assert!(proof["points"].as_u64().unwrap() > 60_000, "{proof}");
+        assert!(best["lanes"][0]["samples"].as_u64().unwrap() > 10_000 && !best["text"].as_str().unwrap().is_empty());
+        let most = one["proposals"].as_array().unwrap().len();
+        assert!((1..=3).contains(&most), "{most}");
+    }
+    let mercator = expression(&report, "mercatorY")["proposals"].to_string();
+    assert!(mercator.contains("asinh(tan(") || mercator.contains("atanh("), "{mercator}");
+    assert_eq!(expression(&report, "haversine")["inlined"].as_array().unwrap().len(), 2);
+}
+
+#[test]
+fn sound_twins_are_left_alone() {
+    let (ran, _) = improved("sound.glsl --format json");
+    let report = ran.expect(0).json();
+    assert_eq!(report["status"], "clean", "{report}");
+}
+
+#[test]
+fn nothing_is_written_without_fix_and_a_fixed_file_has_nothing_left() {
+    let (ran, folder) = improved("formulas.glsl --function growth");
+    let ran = ran.expect(1);
+    let own = fs::read_to_string(root().join("fixtures/improve/formulas.glsl")).unwrap();
+    let path = folder.path().join("formulas.glsl");
+    assert_eq!(fs::read_to_string(&path).unwrap(), own);
+    assert!(ran.out.contains("--- formulas.glsl") && ran.out.contains("-    return exp(x) - 1.0;"), "{}", ran.out);
+    run_in(folder.path(), "improve formulas.glsl --function growth --samples 4096 --fix").expect(0);
+    let changed = fs::read_to_string(&path).unwrap();
+    assert!(changed != own && !changed.contains("return exp(x) - 1.0;"), "{changed}");
+    run_in(folder.path(), "improve formulas.glsl --function growth --samples 4096").expect(0);
+    run_in(folder.path(), "compare formulas.glsl formulas.glsl --lane embedded --samples 512").expect(0);
+}
+
+#[test]
+fn a_line_chooses_expressions() {
+    let own = fs::read_to_string(root().join("fixtures/improve/formulas.glsl")).unwrap();
+    let line = own.lines().position(|line| line.contains("sqrt(x + 1.0)")).unwrap() + 1;
+    let report = improved(&format!("formulas.glsl:{line} --format json")).0.expect(1).json();
+    let all = report["files"][0]["expressions"].as_array().unwrap();
+    assert_eq!((all.len(), &all[0]["function"]), (1, &"rootStep".into()));
+}
+
+#[test]
+fn poles_textures_and_branches_are_told() {
+    let report = improved("poles.glsl --format json").0.expect(1).json();
+    let root = expression(&report, "rootStep");
+    assert!(root["without_value"].as_u64().unwrap() > 20, "{root}");
+    assert!(root["pole"][0]["value"].as_f64().unwrap() < 0.0, "{root}");
+    let textured = expression(&report, "textured");
+    assert!(textured["inputs"].to_string().contains("texture"), "{textured}");
+    assert!(textured["proposals"][0]["text"].as_str().unwrap().contains("height"), "{textured}");
+    assert!(!expression(&report, "branched")["proposals"].as_array().unwrap().is_empty());
+}
+
+#[test]
+fn ranges_without_an_end_and_empty_ones_are_errors() {
+    let ran = improved("unbounded.glsl").0.expect(2);
+    assert!(ran.err.contains("a range without an end") && ran.err.contains("--domain 'x=["), "{}", ran.err);
+    let ran = improved("formulas.glsl --domain x=[2,1]").0.expect(2);
+    assert!(ran.err.contains("is empty"), "{}", ran.err);
+    improved("unbounded.glsl --domain x=[1,1000]").0.expect(1);
+    let ran = improved("nothing.glsl").0.expect(2);
+    assert!(ran.err.contains("nothing.glsl"), "{}", ran.err);
+}
+
+#[test]
+fn no_way_to_write_pi_is_ill_conditioned() {
+    let ran = run_in(&root().join("fixtures/improve"), "fuzz pi.glsl --lane embedded --samples 4096 --format json");
+    let report = ran.expect(0).json();
+    let functions = report["files"][0]["functions"].as_array().unwrap();
+    assert!(functions.len() >= 12, "{}", functions.len());
+    for function in functions {
+        let kinds = function["findings"].to_string();
+        assert!(!kinds.contains("ill_conditioned"), "{function}");
+    }
+}
