@@ -101,10 +101,7 @@ impl Finder<'_> {
             self.places.push(place);
             return;
         }
-        let operand = match &expr.kind {
-            ExprKind::Paren(_) | ExprKind::Call { .. } | ExprKind::Assign { .. } => false,
-            _ => true,
-        };
+        let operand = !matches!(expr.kind, ExprKind::Paren(_) | ExprKind::Call { .. } | ExprKind::Assign { .. });
         expr.children().into_iter().for_each(|child| self.expression(child, operand));
     }
 
@@ -282,27 +279,26 @@ impl Lowering<'_> {
             Some(CallTarget::Builtin(call)) if all_scalar => call.function,
             _ => return self.leaf(id),
         };
-        let of = |found: Unary| Some(found);
         let unary = match function {
-            F::Sin => of(Unary::Sin),
-            F::Cos => of(Unary::Cos),
-            F::Tan => of(Unary::Tan),
-            F::Asin => of(Unary::Asin),
-            F::Acos => of(Unary::Acos),
-            F::Atan if args.len() == 1 => of(Unary::Atan),
-            F::Sinh => of(Unary::Sinh),
-            F::Cosh => of(Unary::Cosh),
-            F::Tanh => of(Unary::Tanh),
-            F::Asinh => of(Unary::Asinh),
-            F::Acosh => of(Unary::Acosh),
-            F::Atanh => of(Unary::Atanh),
-            F::Exp => of(Unary::Exp),
-            F::Log => of(Unary::Log),
-            F::Exp2 => of(Unary::Exp2),
-            F::Log2 => of(Unary::Log2),
-            F::Sqrt => of(Unary::Sqrt),
-            F::Inversesqrt => of(Unary::InverseSqrt),
-            F::Abs => of(Unary::Abs),
+            F::Sin => Some(Unary::Sin),
+            F::Cos => Some(Unary::Cos),
+            F::Tan => Some(Unary::Tan),
+            F::Asin => Some(Unary::Asin),
+            F::Acos => Some(Unary::Acos),
+            F::Atan if args.len() == 1 => Some(Unary::Atan),
+            F::Sinh => Some(Unary::Sinh),
+            F::Cosh => Some(Unary::Cosh),
+            F::Tanh => Some(Unary::Tanh),
+            F::Asinh => Some(Unary::Asinh),
+            F::Acosh => Some(Unary::Acosh),
+            F::Atanh => Some(Unary::Atanh),
+            F::Exp => Some(Unary::Exp),
+            F::Log => Some(Unary::Log),
+            F::Exp2 => Some(Unary::Exp2),
+            F::Log2 => Some(Unary::Log2),
+            F::Sqrt => Some(Unary::Sqrt),
+            F::Inversesqrt => Some(Unary::InverseSqrt),
+            F::Abs => Some(Unary::Abs),
             _ => None,
         };
         if let Some(of) = unary {
