@@ -41,7 +41,11 @@ fn each_planted_formula_gets_a_better_one_that_is_proved() {
     }
     let mercator = expression(&report, "mercatorY")["proposals"].to_string();
     assert!(mercator.contains("asinh(tan(") || mercator.contains("atanh("), "{mercator}");
-    assert_eq!(expression(&report, "haversine")["inlined"].as_array().unwrap().len(), 2);
+    // The difference and what is made of it, each with the variables before it written out.
+    let all = report["files"][0]["expressions"].as_array().unwrap();
+    let inlined =
+        all.iter().filter(|one| one["function"] == "haversine").map(|one| one["inlined"].as_array().unwrap().len());
+    assert_eq!(inlined.collect::<Vec<_>>(), [1, 2]);
 }
 
 #[test]

@@ -22,6 +22,9 @@ const LOOKED_AT: usize = 32;
 /// Terms between which thresholds choose.
 const KEPT: usize = 14;
 
+/// Proposals, of which some may be refused by a proof.
+const CANDIDATES: usize = 5;
+
 /// Classes whose normal form is computed.
 const NORMALISED: usize = 160;
 
@@ -189,18 +192,21 @@ fn propose(found: &mut Improved, all: &[Losses]) {
     }
     let chosen: Vec<Losses> = kept.iter().map(|k| all[*k].clone()).collect();
     let split = renumbered(regimes::best(&points, &chosen), &kept);
-    let singles = order.iter().copied().take(3).map(Split::Term);
+    let singles = order.iter().copied().take(KEPT).map(Split::Term);
     let mut candidates: Vec<Candidate> = Vec::new();
     for split in singles.chain([split]) {
         let used: Vec<usize> = (0..points.len()).map(|k| split.chosen(&points, k)).collect();
         let losses = Losses(used.iter().enumerate().map(|(k, term)| all[*term].0[k]).collect());
         let terms: HashSet<usize> = split.terms().into_iter().collect();
         let operations = terms.iter().map(|k| costs[*k]).sum::<f64>() + split.thresholds() as f64;
-        if losses.mean() < found.original.mean() - LEAST_GAIN && !candidates.iter().any(|c| c.split == split) {
+        // A longer form of what is there loses the same everywhere.
+        let new = !candidates.iter().any(|known| known.losses == losses);
+        if losses.mean() < found.original.mean() - LEAST_GAIN && new {
             candidates.push(Candidate { split, losses, operations });
         }
     }
     candidates.sort_by(|a, b| a.losses.mean().total_cmp(&b.losses.mean()));
+    candidates.truncate(CANDIDATES);
     found.candidates = candidates;
 }
 
