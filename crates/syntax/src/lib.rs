@@ -19,6 +19,7 @@ pub mod link;
 mod names;
 mod number;
 mod parser;
+pub mod precision;
 mod preprocess;
 mod reach;
 pub mod real;

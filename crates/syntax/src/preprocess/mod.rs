@@ -64,6 +64,11 @@ pub(crate) fn run(
 
 impl<'a> Preprocessor<'a> {
     fn new(defines: &'a [(String, String)], before: Option<Version>, sink: &'a mut Sink) -> Self {
+        // Who defines `GL_ES` means a compiler of GLSL ES, in which a text without a version is of the first.
+        let assumed = match defines.iter().any(|(name, _)| name == "GL_ES") {
+            true => Version { number: 100, profile: Profile::Es, span: None },
+            false => Version { number: 110, profile: Profile::Compatibility, span: None },
+        };
         Self {
             sink,
             given: defines,
@@ -72,7 +77,7 @@ impl<'a> Preprocessor<'a> {
             pending: Vec::new(),
             out: Vec::new(),
             incomplete: before.is_some(),
-            version: before.unwrap_or(Version { number: 110, profile: Profile::Compatibility, span: None }),
+            version: before.unwrap_or(assumed),
             extensions: Vec::new(),
             line_shift: 0,
             begun: false,

@@ -5,6 +5,7 @@ mod grammar;
 mod interface;
 mod layouts;
 mod mutation;
+mod precision;
 mod preprocessor;
 mod rules;
 
