@@ -2,21 +2,43 @@
 //!
 //! It rounds every operation correctly and rearranges nothing, so it is no evidence about a driver:
 //! it stands in where there is none, and it tells a shader that is wrong from a driver that is.
+//!
+//! `embedded-half` is the same as a phone may be: what is `mediump` or `lowp` is binary16.
 
 use base::value::Batch;
-use program::interp::{self, Binary32, Executable, HazardKind, Meaning};
+use program::interp::{self, Binary32, Executable, Half, HazardKind, Meaning};
 use program::{Form, Kernel, OutputLayout};
 
-use super::{Actual, Api, Description, Lane, LaneError, Marks, Runner, Stage, Unavailable};
+use super::{Actual, Api, Description, Lane, LaneError, LaneName, Marks, Runner, Stage, Unavailable};
 
 /// Opens the lane; it is always there.
 ///
 /// # Errors
 /// None; the signature is that of all lanes.
 pub fn open() -> Result<Box<dyn Lane>, Unavailable> {
-    let driver = format!("interpreter of shadercheck {}, strict binary32", env!("CARGO_PKG_VERSION"));
+    Ok(opened("embedded", "strict binary32", false))
+}
+
+/// Opens the lane on which `mediump` and `lowp` are binary16; it is always there.
+///
+/// # Errors
+/// None; the signature is that of all lanes.
+pub fn open_half() -> Result<Box<dyn Lane>, Unavailable> {
+    Ok(opened(HALF, "strict binary16 for `mediump` and `lowp`, strict binary32 elsewhere", true))
+}
+
+/// Name of the lane on which `mediump` and `lowp` are less than binary32.
+pub const HALF: &str = "embedded-half";
+
+/// True for a lane that is held against what is promised of `mediump` where a program has it.
+pub fn lowers(lane: &dyn Lane) -> bool {
+    lane.description().name == HALF
+}
+
+fn opened(name: LaneName, numbers: &str, half: bool) -> Box<dyn Lane> {
+    let driver = format!("interpreter of shadercheck {}, {numbers}", env!("CARGO_PKG_VERSION"));
     let description = Description {
-        name: "embedded",
+        name,
         driver,
         executor: "interpreter".to_owned(),
         // It takes the module as it is: nothing translates.
@@ -24,11 +46,12 @@ pub fn open() -> Result<Box<dyn Lane>, Unavailable> {
         api: Api::Binary32,
         stages: vec![Stage::Compute],
     };
-    Ok(Box::new(Embedded { description }))
+    Box::new(Embedded { description, half })
 }
 
 struct Embedded {
     description: Description,
+    half: bool,
 }
 
 impl Lane for Embedded {
@@ -37,7 +60,7 @@ impl Lane for Embedded {
     }
 
     fn dispatches(&self) -> bool {
-        true
+        !self.half
     }
 
     fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
@@ -53,14 +76,17 @@ impl Lane for Embedded {
                 return Err(LaneError::Unsupported("the interpreter takes its inputs in one way".to_owned()));
             }
         }
+        let compile = if self.half { interp::compile_lowered } else { interp::compile };
         let executable =
-            interp::compile(&kernel.program).map_err(|error| LaneError::Unsupported(error.locate(&kernel.program)))?;
-        Ok(Box::new(EmbeddedRunner { executable, layout: kernel.output.clone(), capacity: capacity.max(1) }))
+            compile(&kernel.program).map_err(|error| LaneError::Unsupported(error.locate(&kernel.program)))?;
+        let (layout, capacity) = (kernel.output.clone(), capacity.max(1));
+        Ok(Box::new(EmbeddedRunner { executable, half: self.half, layout, capacity }))
     }
 }
 
 struct EmbeddedRunner {
     executable: Executable,
+    half: bool,
     layout: OutputLayout,
     capacity: usize,
 }
@@ -72,9 +98,11 @@ impl Runner for EmbeddedRunner {
 
     fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
         self.count_of(batch, "invocations")?;
-        let meaning =
-            self.executable.run::<Binary32>(batch, interp::FUEL).map_err(|error| LaneError::Api(error.to_string()))?;
-        accepted(&self.layout, &meaning)
+        let meaning = match self.half {
+            true => self.executable.run::<Half>(batch, interp::FUEL),
+            false => self.executable.run::<Binary32>(batch, interp::FUEL),
+        };
+        accepted(&self.layout, &meaning.map_err(|error| LaneError::Api(error.to_string()))?)
     }
 }
 

@@ -31,6 +31,8 @@ pub struct Candidate {
     /// True for a lane that only stands in where no device is available; it runs beside devices when it
     /// is asked for by name.
     pub stand_in: bool,
+    /// True for a lane that runs only where it is asked for by name.
+    pub named_only: bool,
 }
 
 /// All lanes that this build knows here: those that are always listed, and one for each further driver that is found.
@@ -47,6 +49,14 @@ pub fn registry() -> &'static [Candidate] {
             about: "interpreter in strict binary32, without any driver",
             open: Box::new(embedded::open),
             stand_in: true,
+            named_only: false,
+        });
+        all.push(Candidate {
+            name: embedded::HALF,
+            about: "the same with binary16 for `mediump` and `lowp`, as on phones",
+            open: Box::new(embedded::open_half),
+            stand_in: true,
+            named_only: true,
         });
         all
     })

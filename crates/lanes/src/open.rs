@@ -59,6 +59,7 @@ impl<'a> Wanted<'a> {
         for candidate in all {
             let named = self.names.iter().chain(self.also).any(|name| name == candidate.name);
             let wanted = self.names.is_empty()
+                && !candidate.named_only
                 && match self.stand_in {
                     _ if !candidate.stand_in => true,
                     StandIn::Beside => true,
@@ -113,7 +114,7 @@ mod tests {
                 Err(Unavailable { why: "it is away".to_owned(), remedy: "bring it".to_owned() })
             }
         };
-        Candidate { name, about: "", open: Box::new(open), stand_in }
+        Candidate { name, about: "", open: Box::new(open), stand_in, named_only: false }
     }
 
     fn names(names: &[&str]) -> Vec<String> {

@@ -16,6 +16,7 @@ mod lacks;
 pub mod lane;
 mod layout;
 pub mod lower;
+mod manner;
 mod memory;
 mod parameter;
 pub mod probe;
@@ -51,6 +52,7 @@ pub use dispatched::{Dispatch, Dispatched};
 pub use drawn::ranges;
 pub use drawn::{Count, Drawn};
 pub use front::{COMPILER, INCOMPLETE, NAGA, UNSUPPORTED, VALIDATOR};
+pub use manner::{Grade, Manner, Manners};
 pub use parameter::Parameter;
 pub use probe::Probed;
 pub use read::{Chosen, Head, ModuleText, OWN, Outline, Param, Runnable, Way, Written, listing};
@@ -205,6 +207,8 @@ pub struct Program {
     pub texts: Vec<SourceFile>,
     /// Constant expressions of the text, as their author means them.
     pub constants: Arc<Constants>,
+    /// The precision of operations, and what is `precise`.
+    pub manners: Arc<Manners>,
 }
 
 impl Program {

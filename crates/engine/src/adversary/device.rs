@@ -3,6 +3,10 @@
 use judge::profile::{Allowed, Definition, Entry, Flush, Free, Interval, Op, Profile, Rule, accept, accept_near, grid};
 use lanes::Stage;
 
+use judge::tape::lowered::{self, LARGEST, SMALLEST};
+use program::Grade;
+use program::interp::halved;
+
 use super::choice::{Choice, Place, Strategy};
 
 /// A fault that is planted: an operation that errs by more than it may.
@@ -132,6 +136,30 @@ impl Device {
         }
     }
 
+    /// A number as an operation of lower precision gives it, or takes it where `op` is none: within what GLSL ES and Vulkan
+    /// allow of the binary32 number that it stands for.
+    pub(super) fn lowered(&self, grade: Grade, op: Option<Op>, argument: f64, x: f32, place: Place) -> f32 {
+        let exact = f64::from(x);
+        if grade == Grade::Full || !x.is_finite() || (op.is_none() && halved(x) == x && within_range(exact)) {
+            return x;
+        }
+        let mut choice = Choice::new(self.seed, self.strategy, place, 3 + Op::ALL.len() as u64, &[exact]);
+        if exact.abs() > LARGEST && choice.decide(5) {
+            return f32::INFINITY.copysign(x);
+        }
+        // What is flushed may be off by all of itself, and what is not is as it was: an operand is taken as it was given.
+        if exact.abs() < SMALLEST {
+            return if choice.decide(6) { 0.0 } else { halved(x) };
+        }
+        // Half of the range: there, what is allowed has an end, and nothing is flushed.
+        let size = exact.abs().min(LARGEST / 2.0);
+        let reach = lowered::error(grade, op, argument, [2.0 * size.max(1.0), size]);
+        let interval = Interval { lo: exact - reach, hi: exact + reach };
+        let found = halved(choice.within(interval, exact) as f32);
+        // Half a step of binary16 is always allowed.
+        if interval.contains(f64::from(found)) { found } else { halved(x) }
+    }
+
     /// A comparison sees these numbers.
     pub(super) fn compared(&self, [a, b]: [f64; 2], place: Place) -> [f64; 2] {
         // No operation has this number.
@@ -174,6 +202,10 @@ impl Device {
     pub(super) fn wild(&self, op: Op, x: f64, place: Place) -> f32 {
         Choice::new(self.seed, self.strategy, place, op as u64, &[x]).wild(x)
     }
+}
+
+fn within_range(x: f64) -> bool {
+    x == 0.0 || (SMALLEST..=LARGEST).contains(&x.abs())
 }
 
 /// The first binary32 number that is at least `factor` times as far from the exact value as the end

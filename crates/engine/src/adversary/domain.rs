@@ -8,6 +8,7 @@ use program::interp::{
     Binary, Binary32, Class, Column as Numbers, Comparison, Domain, FromWords, Mask, SLOTS, Site, ToWords, Unary,
     WordSource, Words,
 };
+use program::{Grade, Manner};
 use property::mix;
 
 use super::choice::Place;
@@ -64,6 +65,33 @@ impl Adversary {
         Place { site: site.index(), invocation: self.invocations[slot] }
     }
 
+    /// An operand of an operation of lower precision: what has none of its own takes that of the operation.
+    fn operand(&self, site: Site, active: &Mask, column: &Column) -> Option<Column> {
+        (site.grade() != Grade::Full).then(|| {
+            let mut own = column.clone();
+            let values = own.values.values_mut();
+            active.each(|slot| {
+                values[slot] = self.device.lowered(site.grade(), None, 0.0, values[slot], self.place(site, slot));
+            });
+            // At lower precision nothing is fused.
+            own.rounded();
+            own
+        })
+    }
+
+    /// Lowers the results of an operation.
+    fn lower(&self, site: Site, op: Option<Op>, active: &Mask, argument: &Column, out: &mut Column) {
+        if site.grade() == Grade::Full {
+            return;
+        }
+        out.rounded();
+        let values = out.values.values_mut();
+        active.each(|slot| {
+            let (argument, place) = (argument.wide(slot).abs(), self.place(site, slot));
+            values[slot] = self.device.lowered(site.grade(), op, argument, values[slot], place);
+        });
+    }
+
     /// A sum or difference, of products before their rounding where they are fused.
     fn sum(&self, site: Site, op: Op, active: &Mask, a: &Column, b: &Column, out: &mut Column) {
         let values = out.values.values_mut();
@@ -71,7 +99,7 @@ impl Adversary {
             let place = self.place(site, slot);
             let mut args = [a.wide(slot), b.wide(slot)];
             let products = [a.product(slot), b.product(slot)];
-            if products != [None, None] && self.device.fuses(args, place) {
+            if products != [None, None] && !site.is_precise() && self.device.fuses(args, place) {
                 // One of two products is rounded.
                 match products {
                     [Some(product), _] => args[0] = product,
@@ -156,7 +184,14 @@ fn unary_op(op: Unary) -> Option<Op> {
         Unary::Atanh => Op::Atanh,
         Unary::Radians => Op::Radians,
         Unary::Degrees => Op::Degrees,
-        Unary::Half | Unary::FrexpFraction | Unary::NormalScale | Unary::Determinant | Unary::Inverse => return None,
+        Unary::Half
+        | Unary::FrexpFraction
+        | Unary::NormalScale
+        | Unary::Determinant
+        | Unary::Inverse
+        | Unary::Narrow => {
+            return None;
+        }
     })
 }
 
@@ -201,6 +236,13 @@ impl Domain for Adversary {
     }
 
     fn unary(&mut self, site: Site, op: Unary, active: &Mask, a: &Column, out: &mut Column) {
+        if site.grade() != Grade::Full {
+            let at = Site::done(site, Manner { grade: Grade::Full, precise: site.is_precise() });
+            let own = self.operand(site, active, a);
+            self.unary(at, op, active, own.as_ref().unwrap_or(a), out);
+            // `normalize` ends with a product.
+            return self.lower(site, unary_op(op), active, a, out);
+        }
         out.rounded();
         let free = match op {
             Unary::NormalScale => return self.normal_scale(site, active, a, out),
@@ -226,6 +268,12 @@ impl Domain for Adversary {
     }
 
     fn binary(&mut self, site: Site, op: Binary, active: &Mask, a: &Column, b: &Column, out: &mut Column) {
+        if site.grade() != Grade::Full {
+            let at = Site::done(site, Manner { grade: Grade::Full, precise: site.is_precise() });
+            let own = [a, b].map(|column| self.operand(site, active, column));
+            self.binary(at, op, active, own[0].as_ref().unwrap_or(a), own[1].as_ref().unwrap_or(b), out);
+            return self.lower(site, Some(binary_op(op)), active, a, out);
+        }
         out.rounded();
         match op {
             Binary::Add | Binary::Subtract => self.sum(site, binary_op(op), active, a, b, out),
@@ -248,9 +296,12 @@ impl Domain for Adversary {
             let exact = |args: &[f64]| args[0] * 2f64.powi(power);
             *value = self.device.apply_to(Op::Ldexp, &[a.wide(slot)], &exact, self.place(site, slot));
         }
+        self.lower(site, Some(Op::Ldexp), &Mask::ALL, a, out);
     }
 
     fn compare(&mut self, site: Site, op: Comparison, active: &Mask, a: &Column, b: &Column, out: &mut Words) {
+        let own = [a, b].map(|column| self.operand(site, active, column));
+        let (a, b) = (own[0].as_ref().unwrap_or(a), own[1].as_ref().unwrap_or(b));
         active.each(|slot| {
             let [a, b] = self.device.compared([a.wide(slot), b.wide(slot)], self.place(site, slot));
             out[slot] = u32::from(op.holds(a, b));
@@ -279,6 +330,8 @@ impl Domain for Adversary {
             let args = [number(a[slot])];
             *value = self.device.apply_to(Op::Convert, &args, &|args| args[0], self.place(site, slot));
         }
+        let whole = out.clone();
+        self.lower(site, Some(Op::Convert), &Mask::ALL, &whole, out);
     }
 
     fn copy(&mut self, from: &Column, to: &mut Column) {

@@ -19,6 +19,7 @@ pub struct AdversaryLane {
     description: Description,
     device: Device,
     laws: Option<Laws>,
+    lowers: bool,
     seed: u64,
 }
 
@@ -39,6 +40,7 @@ impl Adversary {
             },
             device: Device::new(profile, stage, strategy, seed),
             laws: (rearrange && profile.rearrangement).then_some(Laws::Distribution),
+            lowers: false,
             seed,
         }
     }
@@ -49,6 +51,12 @@ impl AdversaryLane {
     #[must_use]
     pub fn with_fault(self, fault: Fault) -> Self {
         Self { device: self.device.with_fault(fault), ..self }
+    }
+
+    /// The same, which does what is `mediump` or `lowp` as badly as GLSL ES and Vulkan allow.
+    #[must_use]
+    pub fn lowering(self) -> Self {
+        Self { lowers: true, ..self }
     }
 
     /// The same, which rearranges by these laws whatever the profile says.
@@ -76,7 +84,8 @@ impl Lane for AdversaryLane {
                 return Err(LaneError::Unsupported("the interpreter takes its inputs in one way".to_owned()));
             }
         }
-        let compiled = interp::compile(&kernel.program);
+        let compile = if self.lowers { interp::compile_lowered } else { interp::compile };
+        let compiled = compile(&kernel.program);
         let mut executable = compiled.map_err(|error| LaneError::Unsupported(error.locate(&kernel.program)))?;
         if let Some(laws) = self.laws {
             let mut stream = Stream::new(mix(self.seed, 1));

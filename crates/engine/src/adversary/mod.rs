@@ -14,6 +14,8 @@ mod device;
 mod domain;
 mod lane;
 #[cfg(test)]
+mod lowered;
+#[cfg(test)]
 mod programs;
 #[cfg(test)]
 mod tests;

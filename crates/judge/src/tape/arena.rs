@@ -52,6 +52,19 @@ pub(super) struct Meta {
     pub not_negative: bool,
 }
 
+impl Meta {
+    /// True for what stays as it is written on every device: it is `precise`, or of a lower precision, where regrouping
+    /// is not followed.
+    pub(super) fn is_kept(&self) -> bool {
+        self.site.is_some_and(|site| site.is_precise() || site.grade() != program::Grade::Full)
+    }
+
+    /// True for sums, products and selections that rearrangement may regroup.
+    pub(super) fn is_regrouped(&self) -> bool {
+        self.kind.is_polynomial() && !self.is_kept()
+    }
+}
+
 /// A pool of columns that are used again for each chunk.
 #[derive(Default)]
 pub(super) struct Pool {

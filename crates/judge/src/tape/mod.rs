@@ -21,6 +21,7 @@ mod inherited;
 #[cfg(test)]
 mod inside;
 mod kernels;
+pub mod lowered;
 mod model;
 mod operations;
 mod regroup;
@@ -166,6 +167,7 @@ impl<'p> Tape<'p> {
 
     /// What else is remembered of a node, once its value, radius and local error are known.
     fn settle(&mut self, id: Id) {
+        self.lower(id);
         self.group(id);
         self.move_on(id);
     }
@@ -269,8 +271,15 @@ impl Domain for Tape<'_> {
         let (x, y) = (self.arena.value.get(a), self.arena.value.get(b));
         let (ex, ey) = (self.arena.radius.get(a), self.arena.radius.get(b));
         let flushes = self.flushed(a) || self.flushed(b);
+        // Literals are compared as numbers of the precision of the comparison.
+        let reach = |x: f64, e: f64| e + lowered::slack(site.grade(), x.abs() - e, x.abs() + e);
+        let device = matches!(self.model, Model::Device { .. });
         let open = |slot: usize| {
-            let (x, y) = ((x[slot], ex[slot]), (y[slot], ey[slot]));
+            let (ex, ey) = match device {
+                true => (reach(x[slot], ex[slot]), reach(y[slot], ey[slot])),
+                false => (ex[slot], ey[slot]),
+            };
+            let (x, y) = ((x[slot], ex), (y[slot], ey));
             (a != b && decision::is_near(x, y)) || (flushes && decision::flush_decides(op, x, y))
         };
         let forks: Vec<usize> = active.slots().filter(|&slot| open(slot)).collect();
@@ -337,6 +346,7 @@ impl Domain for Tape<'_> {
             *self.arena.local.get_mut(at) = local;
             let meta = &mut self.arena.nodes[at];
             (meta.exact, meta.op, meta.site) = (exact, Some(Op::Convert), Some(site));
+            self.lower(id);
         }
         self.hold(out, id);
     }

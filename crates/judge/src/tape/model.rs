@@ -133,8 +133,9 @@ impl<'p> Model<'p> {
     }
 
     /// How a sum or product ends that is rounded once whatever its arguments are, and whose flushed
-    /// arguments add nothing; `None` for others. `tiny`: which arguments may be subnormal.
-    pub(super) fn closing(&self, op: Op, tiny: [bool; 2]) -> Option<Closing> {
+    /// arguments add nothing; `None` for others. `tiny`: which arguments may be subnormal; `kept`: it is not regrouped in any
+    /// case.
+    pub(super) fn closing(&self, op: Op, tiny: [bool; 2], kept: bool) -> Option<Closing> {
         let Self::Device { profile, rearranged, .. } = self else { return None };
         let flushes = self.flushes();
         match profile.entry(op) {
@@ -144,7 +145,7 @@ impl<'p> Model<'p> {
             },
             Entry::Measured(_) => return None,
         }
-        let own = !rearranged;
+        let own = !rearranged || kept;
         (!flushes || tiny == [false; 2]).then(|| Closing { part: part(profile.rounding), flushes, own })
     }
 }

@@ -15,11 +15,13 @@ use program::interp::{Mask, SLOTS, Site, Unary};
 impl Tape<'_> {
     /// An operation on one number.
     pub(super) fn apply1(&mut self, site: Site, op: Unary, active: &Mask, a: Id) -> Id {
+        let a = self.operand(site, a);
         let op = match op {
             Unary::Negate => return self.sum(Some(site), Op::Neg, a, a, (-1.0, 0.0)),
             Unary::NormalScale => return self.normal_scale(site, active, a),
             Unary::Determinant => return self.mark(site, Op::Determinant, a),
             Unary::Inverse => return self.mark(site, Op::Inverse, a),
+            Unary::Narrow => return self.narrow(site, a),
             Unary::Half => return self.half(site, a),
             Unary::FrexpFraction => return self.frexp_fraction(site, a),
             Unary::Abs => Op::Abs,
@@ -137,6 +139,7 @@ impl Tape<'_> {
 
     /// An operation on two numbers.
     pub(super) fn apply2(&mut self, site: Site, op: Op, active: &Mask, a: Id, b: Id) -> Id {
+        let (a, b) = (self.operand(site, a), self.operand(site, b));
         match op {
             Op::Add => return self.sum(Some(site), op, a, b, (1.0, 1.0)),
             Op::Sub => return self.sum(Some(site), op, a, b, (1.0, -1.0)),
@@ -201,7 +204,7 @@ impl Tape<'_> {
     }
 
     /// The same value once more, with an error of its own: what is added is not regrouped.
-    fn identity(&mut self, site: Option<Site>, op: Option<Op>, a: Id, error: &Slots) -> Id {
+    pub(super) fn identity(&mut self, site: Option<Site>, op: Option<Op>, a: Id, error: &Slots) -> Id {
         let partial = self.arena.partial();
         self.arena.partials.get_mut(2 * partial as usize).fill(1.0);
         self.arena.partials.get_mut(2 * partial as usize + 1).fill(0.0);
@@ -290,7 +293,7 @@ impl Tape<'_> {
             self.settle(id);
             return id;
         }
-        if let Some(closing) = self.model.closing(op, [left.tiny, right.tiny]) {
+        if let Some(closing) = self.model.closing(op, [left.tiny, right.tiny], self.arena.nodes[at].is_kept()) {
             let node = Node { value, radius: carried, local: self.arena.local.get_mut(at) };
             let tiny = number::wide(|| kernels::rounded_sum((x, ex), (y, ey), signs, closing, node));
             self.arena.nodes[at].tiny = tiny;
@@ -324,7 +327,7 @@ impl Tape<'_> {
         let (radii, carried) = self.arena.radius.split(at);
         let (x, y) = (before.get(a as usize), before.get(b as usize));
         let (ex, ey) = (radii.get(a as usize), radii.get(b as usize));
-        if let Some(closing) = self.model.closing(op, tiny) {
+        if let Some(closing) = self.model.closing(op, tiny, self.arena.nodes[at].is_kept()) {
             let node = Node { value, radius: carried, local: self.arena.local.get_mut(at) };
             let tiny = number::wide(|| kernels::rounded_product((x, ex), (y, ey), closing, node));
             self.arena.nodes[at].tiny = tiny;
@@ -556,7 +559,7 @@ impl Tape<'_> {
         self.arena.nodes[at].tiny = self.model.finish(value, carried, local);
         self.lose(id);
         let (local, carried) = (self.arena.local.get(at), self.arena.radius.get_mut(at));
-        let regrouped = self.model.is_rearranged() && self.arena.nodes[at].kind.is_polynomial();
+        let regrouped = self.model.is_rearranged() && self.arena.nodes[at].is_regrouped();
         if !regrouped {
             number::wide(|| carried.iter_mut().zip(local.iter()).for_each(|(e, b)| *e += b));
         }

@@ -23,7 +23,9 @@ impl Tape<'_> {
         let (counts, height) = self.arena.roundings.split(heights);
         let mut term = [1.0; SLOTS];
         let of = |x: Id| (counts.get(2 * x as usize), counts.get(2 * x as usize + 1));
-        let kind = self.arena.nodes[at].kind;
+        // What is kept as it is written is one term for what comes after.
+        let meta = self.arena.nodes[at];
+        let kind = if meta.is_kept() { NodeKind::Leaf } else { meta.kind };
         match kind {
             NodeKind::Leaf | NodeKind::One { .. } | NodeKind::Two { .. } => {
                 let (v, e) = (self.arena.value.get(at), self.arena.radius.get(at));
@@ -111,7 +113,7 @@ impl Tape<'_> {
             NodeKind::Leaf | NodeKind::One { .. } | NodeKind::Two { .. } => return [0.0; SLOTS],
         };
         let mut lost = [0.0; SLOTS];
-        for part in parts.into_iter().filter(|&p| self.arena.nodes[p as usize].kind.is_polynomial()) {
+        for part in parts.into_iter().filter(|&p| self.arena.nodes[p as usize].is_regrouped()) {
             let local = self.arena.local.get(part as usize);
             number::wide(|| {
                 for slot in 0..SLOTS {
@@ -138,8 +140,7 @@ impl Tape<'_> {
     fn lost_of_chosen(&self, mask: &Mask, a: Id, b: Id) -> Slots {
         std::array::from_fn(|slot| {
             let chosen = if mask.has(slot) { a } else { b } as usize;
-            let lost =
-                self.arena.nodes[chosen].kind.is_polynomial() && self.arena.local.get(chosen)[slot] == f64::INFINITY;
+            let lost = self.arena.nodes[chosen].is_regrouped() && self.arena.local.get(chosen)[slot] == f64::INFINITY;
             f64::from(u8::from(lost))
         })
     }

@@ -101,13 +101,13 @@ impl Tape<'_> {
                 std::mem::replace(&mut sweep.adjoints[place as usize], sweep.spare.take().unwrap_or_default());
             let meta = arena.nodes[id as usize];
             // Regrouped sums and products err as a whole, where something else takes their value.
-            let counts = !meta.exact && (!rearranged || id == root || !meta.kind.is_polynomial());
+            let counts = !meta.exact && (!rearranged || id == root || !meta.is_regrouped());
             if counts {
                 let share = &mut sweep.part.0;
                 add(arena.local.get(id as usize), &adjoint, &mut bounds.bound, share);
                 see(id, share);
             }
-            if rearranged && !meta.kind.is_polynomial() {
+            if rearranged && !meta.is_regrouped() {
                 // Each polynomial argument errs as a whole, as far as this node hands it on.
                 regrouped(arena, sweep, id, &adjoint, &mut |a, worth, share| {
                     add(arena.local.get(a as usize), worth, &mut bounds.bound, share);

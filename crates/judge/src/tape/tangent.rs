@@ -103,7 +103,7 @@ impl Tangents {
                 }
             });
         }
-        if meta.exact || (rearranged && meta.kind.is_polynomial()) {
+        if meta.exact || (rearranged && meta.is_regrouped()) {
             return moving;
         }
         let own = arena.local.get(id as usize);

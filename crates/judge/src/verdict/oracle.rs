@@ -47,6 +47,15 @@ impl Oracle {
         Ok(Self::of(program, interp::compile(program)?, None))
     }
 
+    /// The same for a lane on which `mediump` and `lowp` are less than binary32: of their operations it is held against
+    /// what GLSL ES promises.
+    ///
+    /// # Errors
+    /// [`InterpError`] for constructs that are not interpreted.
+    pub fn lowered(program: &Program) -> Result<Self, InterpError> {
+        Ok(Self::of(program, interp::compile_lowered(program)?, None))
+    }
+
     /// The same, where literals that are known constants in few digits may stand for these.
     ///
     /// # Errors

@@ -48,6 +48,7 @@ pub fn candidates() -> Vec<Candidate> {
         about: driver.about,
         open: Box::new(move || open(driver)),
         stand_in: false,
+        named_only: false,
     };
     DRIVERS.iter().map(candidate).collect()
 }

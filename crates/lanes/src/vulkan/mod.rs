@@ -57,6 +57,7 @@ fn here() -> Vec<Candidate> {
         about: about(device.first),
         open: Box::new(move || Ok(Box::new(Here::new((device.open)()?, Box::new(Naga))))),
         stand_in: false,
+        named_only: false,
     };
     match devices() {
         Ok(devices) => devices.into_iter().map(candidate).collect(),
@@ -104,7 +105,7 @@ pub fn devices() -> Result<Vec<Device>, String> {
 fn absent(why: String) -> Candidate {
     let missing = Unavailable { why, remedy: REMEDY.to_owned() };
     let about = "any Vulkan device, through wgpu";
-    Candidate { name: FIRST, about, open: Box::new(move || Err(missing.clone())), stand_in: false }
+    Candidate { name: FIRST, about, open: Box::new(move || Err(missing.clone())), stand_in: false, named_only: false }
 }
 
 /// A name for the lane of a device that no other lane has.

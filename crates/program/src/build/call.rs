@@ -104,6 +104,7 @@ impl Build<'_> {
                 continue;
             }
             let value = f.build.value_type(&param.ty, param.span)?;
+            f.at = param.span;
             let index = u32::try_from(arguments.len()).unwrap_or(u32::MAX);
             let by_reference = param.direction != Direction::In;
             let ty = if by_reference {

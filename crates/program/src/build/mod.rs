@@ -219,6 +219,7 @@ fn one(shader: &Shader, target: &Target, run: bool) -> std::result::Result<(Prog
         dispatch: None,
         texts: Vec::new(),
         constants: Arc::default(),
+        manners: Arc::new(crate::Manners::of(shader)),
     };
     Ok((program, differs))
 }

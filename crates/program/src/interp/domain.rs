@@ -11,17 +11,51 @@
 
 use super::code::Guarded;
 use super::slots::{Mask, Words};
+use crate::{Grade, Manner};
 use base::value::Scalar;
 
 /// Names the expression that an operation belongs to; see
 /// [`Executable::place`](super::Executable::place).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Site(pub(super) u32);
+pub struct Site(u32);
+
+/// Bits of a site that are its number; those above say how its operations are done.
+const NUMBER: u32 = (1 << 28) - 1;
 
 impl Site {
+    pub(super) fn new(index: usize) -> Self {
+        Self(index as u32 & NUMBER)
+    }
+
+    /// The same place, with operations that are done in a manner.
+    #[must_use]
+    pub fn done(self, manner: Manner) -> Self {
+        let grade = match manner.grade {
+            Grade::Full => 0,
+            Grade::Medium => 1 << 28,
+            Grade::Low => 2 << 28,
+        };
+        Self(self.0 & NUMBER | grade | u32::from(manner.precise) << 30)
+    }
+
     /// Number of the site, counted from 0 in each executable.
     pub fn index(self) -> usize {
-        self.0 as usize
+        (self.0 & NUMBER) as usize
+    }
+
+    /// The precision at which its operations are done: full, but in a program that was compiled to be
+    /// [lowered](super::compile_lowered).
+    pub fn grade(self) -> Grade {
+        match self.0 >> 28 & 3 {
+            0 => Grade::Full,
+            1 => Grade::Medium,
+            _ => Grade::Low,
+        }
+    }
+
+    /// True where nothing may be regrouped or contracted.
+    pub fn is_precise(self) -> bool {
+        self.0 >> 30 & 1 == 1
     }
 }
 
@@ -94,10 +128,12 @@ pub enum Unary {
     Determinant,
     /// x, a component of `inverse`: specifications promise nothing for it.
     Inverse,
+    /// x, as a number of the precision of its site: what a variable of `mediump` takes.
+    Narrow,
 }
 
 impl Unary {
-    /// All of them.
+    /// All of them but `Narrow`, which no function of a module is.
     pub const ALL: [Self; 33] = [
         Self::Negate,
         Self::Abs,

@@ -366,7 +366,7 @@ impl<'e, D: Domain> Machine<'e, D> {
             }
             Inst::Return => self.active = Mask::NONE,
             Inst::Kill => {
-                self.report(HazardKind::Killed, Site(0), Mask::ALL);
+                self.report(HazardKind::Killed, Site::new(0), Mask::ALL);
                 self.stopped = self.stopped.or(self.active);
                 self.active = Mask::NONE;
             }

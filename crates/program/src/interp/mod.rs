@@ -18,6 +18,7 @@ pub mod group;
 mod half;
 mod indexed;
 mod integer;
+mod lowered;
 mod machine;
 mod meaning;
 mod plain;
@@ -42,6 +43,7 @@ use compile::shape as compile_shape;
 pub use code::{Executable, Guarded, Place};
 pub use compile::{Binding, Subject};
 pub use domain::{Binary, Class, Comparison, Domain, FromWords, Site, ToWords, Unary, WordSource};
+pub use lowered::{Half, halved};
 pub use machine::Machine;
 pub use meaning::{Finding, Flags, HazardKind, Meaning};
 pub use plain::{Binary32, Binary64, Column, Number, Plain, from_words, outside, to_half, to_words};
@@ -126,6 +128,19 @@ pub fn author_span(program: &Program, place: &Place) -> Option<base::text::Span>
 /// # Errors
 /// [`InterpError::Unsupported`] for constructs that are not interpreted.
 pub fn compile(program: &Program) -> Result<Executable, InterpError> {
+    compile_as(program, false)
+}
+
+/// Compiles a program for a device on which `mediump` and `lowp` are less than binary32: the sites of their operations
+/// say so, and variables of these take numbers of their precision.
+///
+/// # Errors
+/// Those of [`compile`].
+pub fn compile_lowered(program: &Program) -> Result<Executable, InterpError> {
+    compile_as(program, true)
+}
+
+fn compile_as(program: &Program, lowered: bool) -> Result<Executable, InterpError> {
     if let Some(found) = program.unfed.first() {
         let part = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         let span = naga::Span::new(part(found.span.start), part(found.span.end));
@@ -144,6 +159,8 @@ pub fn compile(program: &Program) -> Result<Executable, InterpError> {
         max_vertices: program.output_layout().max_vertices,
         shared: &[],
         dispatch: program.dispatch.as_deref().map(|dispatch| dispatch.groups),
+        manners: Some(&program.manners),
+        lowered,
     })?;
     Ok(Executable { words_defined: program.written != Written::Glsl, ..executable })
 }
@@ -177,6 +194,8 @@ pub fn compile_dispatch(program: &Program) -> Result<Executable, InterpError> {
         max_vertices: None,
         shared: &shared,
         dispatch: None,
+        manners: Some(&program.manners),
+        lowered: false,
     })?;
     Ok(Executable { words_defined: program.written != Written::Glsl, ..executable })
 }
@@ -199,6 +218,8 @@ pub fn compile_read_back(back: &ReadBack) -> Result<Executable, InterpError> {
         max_vertices: back.max_vertices,
         shared: &[],
         dispatch: None,
+        manners: None,
+        lowered: false,
     })
 }
 

@@ -385,7 +385,7 @@ impl<T: Number> Domain for Plain<T> {
             Unary::Degrees => slow(a, out, f64::to_degrees),
             Unary::Half => slow(a, out, |x| half::from_bits(half::to_bits(x))),
             Unary::FrexpFraction => slow(a, out, |x| frexp(x).0),
-            Unary::Determinant | Unary::Inverse => self.copy(a, out),
+            Unary::Determinant | Unary::Inverse | Unary::Narrow => self.copy(a, out),
         }
     }
 
@@ -484,7 +484,7 @@ mod tests {
         }
         let mut result = domain.column();
         result.values_mut().fill(T::nearest(7.0));
-        domain.unary(Site(0), op, mask, &a, &mut out);
+        domain.unary(Site::new(0), op, mask, &a, &mut out);
         domain.merge(mask, &out, &mut result);
         result.values().map(Number::widen).to_vec()
     }

@@ -159,7 +159,7 @@ impl Pass<'_> {
         let mut run = Run::new(insts);
         let mut replaced: Vec<Option<Vec<Inst>>> = vec![None; run.insts.len()];
         for at in (0..run.insts.len()).rev() {
-            if run.absorbed[at] || result_of(&run.insts[at]).is_none() {
+            if run.absorbed[at] || result_of(&run.insts[at]).is_none() || is_precise(&run.insts[at]) {
                 continue;
             }
             let mut room = MAX_CHAIN;
@@ -345,7 +345,7 @@ impl Run {
         let mut made = HashMap::new();
         let mut stored: HashMap<Reg, Vec<usize>> = HashMap::new();
         for (at, inst) in insts.iter_mut().enumerate() {
-            if let Some(to) = result_of(inst).filter(|&to| to >= TEMPORARY) {
+            if let Some(to) = result_of(inst).filter(|&to| to >= TEMPORARY && !is_precise(inst)) {
                 made.insert(to, at);
             }
             inst.registers(&mut |touch, file, reg| {
@@ -376,6 +376,11 @@ fn result_of(inst: &Inst) -> Option<Reg> {
         | Inst::Real2 { op: Binary::Add | Binary::Subtract | Binary::Multiply, to, .. } => Some(*to),
         _ => None,
     }
+}
+
+/// True for an operation that stays as it is written.
+fn is_precise(inst: &Inst) -> bool {
+    matches!(inst, Inst::Real1 { site, .. } | Inst::Real2 { site, .. } if site.is_precise())
 }
 
 /// Adds a term; the terms of a sum one by one.

@@ -155,6 +155,7 @@ impl ModuleText {
             dispatch: None,
             texts: Vec::new(),
             constants: self.constants.clone(),
+            manners: Arc::default(),
         }
     }
 }

@@ -14,7 +14,7 @@ use base::text::SourceFile;
 use compose::Options;
 use disk::Problem;
 use judge::verdict::{Oracle, Recorded, Reference, ReferenceError};
-use lanes::Stage as LaneStage;
+use lanes::{Lane, Stage as LaneStage, embedded};
 use program::lower::Target;
 use program::{Chosen, Kernel, ModuleText, Program, ProgramError, Written};
 use property::law::LawError;
@@ -129,11 +129,18 @@ pub struct Prepared {
     pub rows: Vec<Sample>,
     /// What the program means.
     pub oracle: Oracle,
+    /// The same for lanes on which `mediump` is less than binary32; none where nothing is lower.
+    pub lowered: Option<Oracle>,
     /// Samples at its edges, once they were sought.
     pub(super) edges: super::edges::KeptEdges,
 }
 
 impl Prepared {
+    /// What the program means to a lane.
+    pub(super) fn oracle_of(&self, lane: &dyn Lane) -> &Oracle {
+        self.lowered.as_ref().filter(|_| embedded::lowers(lane)).unwrap_or(&self.oracle)
+    }
+
     /// The kernel for a stage of a lane; none where the suite is not of that stage.
     pub fn kernel(&self, stage: LaneStage) -> Option<&Kernel> {
         match stage {
@@ -221,8 +228,10 @@ pub fn prepare_with(
         let bound = law.bind(reference.fields(), [&compute.invocation, &compute.case], &range);
         all.push(bound.map_err(|source| RunError::Law { suite: name(), shader: shader_name(), source })?);
     }
+    let lowered = program.manners.lower().then(|| Oracle::lowered(&program).ok()).flatten();
     Ok(Prepared {
         oracle,
+        lowered,
         edges: super::edges::KeptEdges::default(),
         relations: all,
         rows,

@@ -2,7 +2,7 @@
 
 use base::value::Batch;
 use judge::profile::Promises;
-use judge::verdict::{Deviation, Fence, Fenced, JudgeContext, Verdict, judge_each};
+use judge::verdict::{Deviation, Fence, Fenced, JudgeContext, Oracle, Verdict, judge_each};
 use lanes::{Actual, Lane, LaneError, Runner, Stage};
 use program::{Form, InputSource, Kernel, Program};
 use property::Sample;
@@ -89,6 +89,7 @@ pub struct Trial<'a> {
     /// What the lane is held against.
     promises: &'a Promises,
     stage: Stage,
+    oracle: &'a Oracle,
     runner: Fence<'a>,
     /// Where inputs come from, when it is not what the stage says.
     pub source: Option<InputSource>,
@@ -126,8 +127,9 @@ impl<'a> Trial<'a> {
             Form::Vertex { .. } => Stage::Vertex,
             Form::Geometry => Stage::Geometry,
         };
-        let runner = Fence::new(lane.prepare(kernel, capacity)?, &prepared.oracle, &kernel.output);
-        Ok(Self { prepared, promises, stage, runner, source: None })
+        let oracle = prepared.oracle_of(lane);
+        let runner = Fence::new(lane.prepare(kernel, capacity)?, oracle, &kernel.output);
+        Ok(Self { prepared, promises, stage, oracle, runner, source: None })
     }
 
     /// Makes a kernel ready whose inputs come from a source, for batches of at most `most` invocations.
@@ -178,8 +180,9 @@ impl<'a> Trial<'a> {
                 lane.prepare(&kernel_from(&prepared.program, source, &none)?, most)?
             }
         };
-        let runner = Fence::new(runner, &prepared.oracle, &prepared.compute.output);
-        Ok(Self { prepared, promises, stage, runner, source: Some(source) })
+        let oracle = prepared.oracle_of(lane);
+        let runner = Fence::new(runner, oracle, &prepared.compute.output);
+        Ok(Self { prepared, promises, stage, oracle, runner, source: Some(source) })
     }
 
     /// The same in a stage that the kernel does not tell: functions run in any.
@@ -189,7 +192,7 @@ impl<'a> Trial<'a> {
 
     /// What verdicts on the lane's outputs need.
     pub fn context(&self) -> JudgeContext<'a> {
-        let Prepared { oracle, reference, .. } = self.prepared;
+        let (oracle, reference) = (self.oracle, &self.prepared.reference);
         JudgeContext { oracle, reference, promises: self.promises, stage: self.stage }
     }
 

@@ -103,7 +103,8 @@ impl Question {
             | Unary::Half
             | Unary::FrexpFraction
             | Unary::Determinant
-            | Unary::Inverse => return None,
+            | Unary::Inverse
+            | Unary::Narrow => return None,
         })
     }
 

@@ -7,6 +7,7 @@ use naga::{AddressSpace, Arena, Expression, Handle, Literal, RelationalFunction}
 use super::super::code::{Inst, Register, Word2};
 use super::super::domain::{Class, Site};
 use super::{Compiler, Frame, InterpError, Pointer, Value, types, unsupported};
+use crate::Manner;
 use base::value::Scalar;
 
 impl<'m> Compiler<'m> {
@@ -115,11 +116,13 @@ impl<'m> Compiler<'m> {
                 let inner = self.pointee(frame, pointer);
                 if let Value::Pointer(place @ Pointer { memory: Some(_), .. }) = self.value(frame, pointer)? {
                     let loaded = self.load_shared(site, &place, &inner).map_err(|what| unsupported(what, span))?;
+                    let loaded = self.narrowed(site, &loaded);
                     return Ok(Value::Registers(loaded.into()));
                 }
                 let len = types::count(self.module, &inner).map_err(|what| unsupported(what, span))?;
                 let pointer = self.pointer(frame, pointer)?;
-                self.load(frame, site, &pointer, len)?
+                let loaded = self.load(frame, site, &pointer, len)?;
+                self.narrowed(site, &loaded)
             }
             Expression::Unary { op, expr } => self.unary_operator(frame, site, op, expr)?,
             Expression::Binary { op, left, right } => self.binary_operator(frame, site, op, left, right)?,
@@ -145,8 +148,15 @@ impl<'m> Compiler<'m> {
             }
             Expression::As { expr, kind, convert } => self.cast(frame, site, expr, kind, convert)?,
             Expression::CallResult(_) => return Err(InterpError::internal("the result of a later call".to_owned())),
-            Expression::ImageSample { .. } => self.image_sample(frame, site, handle, span)?,
-            Expression::ImageLoad { .. } => self.image_load(frame, site, handle, span)?,
+            // What a texture unit computes has nothing to do with the precision of a sampler: its results have.
+            Expression::ImageSample { .. } => {
+                let texels = self.image_sample(frame, site.done(Manner::default()), handle, span)?;
+                self.narrowed(site, &texels)
+            }
+            Expression::ImageLoad { .. } => {
+                let texels = self.image_load(frame, site.done(Manner::default()), handle, span)?;
+                self.narrowed(site, &texels)
+            }
             Expression::ImageQuery { image, query } => self.image_query(frame, site, (image, query), span)?,
             Expression::Derivative { .. } => return refuse("derivatives between fragments"),
             Expression::AtomicResult { .. } | Expression::WorkGroupUniformLoadResult { .. } => {

@@ -105,7 +105,7 @@ impl<'m> Compiler<'m> {
         pointer: &Pointer,
         len: usize,
     ) -> Result<(u32, Vec<Vec<Register>>), InterpError> {
-        let site = Site(0);
+        let site = Site::new(0);
         let mut offsets = vec![0];
         let mut index: Option<u32> = None;
         for step in &pointer.indices {

@@ -10,6 +10,7 @@ mod memory;
 mod operator;
 mod overlap;
 mod shared;
+mod site;
 mod statement;
 mod texture;
 mod together;
@@ -23,12 +24,12 @@ use naga::valid::{FunctionInfo, ModuleInfo};
 use naga::{AddressSpace, BuiltIn, Expression, Function, GlobalVariable, Handle, LocalVariable, Module, Type};
 
 use super::InterpError;
-use super::code::{Constant, Executable, File, Fill, Inst, Place, Reg, Register, Stray, TEMPORARY};
+use super::code::{Constant, Executable, File, Fill, Inst, Reg, Register, Stray, TEMPORARY};
 use super::domain::{Site, WordSource};
 use super::group::Step;
 use super::meaning::HazardKind;
 use super::rearrange::Draft;
-use crate::{Entry, PortAt, Texture};
+use crate::{Entry, Manners, PortAt, Texture};
 use base::value::Scalar;
 use layout::Layout;
 
@@ -71,6 +72,10 @@ pub struct Subject<'m> {
     pub shared: &'m [Handle<GlobalVariable>],
     /// Workgroups along x, y and z where all invocations of a dispatch are one program, one after the other.
     pub dispatch: Option<[u32; 3]>,
+    /// How operations are done; none where all is binary32 and may be rearranged.
+    pub manners: Option<&'m Manners>,
+    /// Operations of `mediump` and `lowp` are marked as such, and variables of these take numbers of them.
+    pub lowered: bool,
 }
 
 /// Instructions of one executable: calls are expanded in place, which can grow without measure.
@@ -555,39 +560,11 @@ impl<'m> Compiler<'m> {
         Inst::Begin { to, zero: self.zero(to.scalar).reg, site }
     }
 
-    /// The place of a declaration.
-    fn declared(&mut self, function: Option<Handle<Function>>, span: naga::Span) -> Site {
-        let sites = &mut self.executable.sites;
-        sites.push(Place { function, expression: None, span });
-        Site((sites.len() - 1) as u32)
-    }
-
     fn zero(&mut self, scalar: Scalar) -> Register {
         match scalar {
             Scalar::F32 => self.real(0.0, None),
             Scalar::I32 | Scalar::U32 | Scalar::Bool => self.word(0, scalar),
         }
-    }
-
-    fn constant_site(&mut self, handle: Handle<Expression>, span: naga::Span) -> Site {
-        let sites = &mut self.executable.sites;
-        *self.constant_sites.entry(handle).or_insert_with(|| {
-            sites.push(Place { function: None, expression: None, span });
-            Site((sites.len() - 1) as u32)
-        })
-    }
-
-    fn site(&mut self, frame: &Frame<'m>, expression: Handle<Expression>) -> Site {
-        let arena = &frame.function.expressions;
-        let mut span = arena.get_span(expression);
-        if !span.is_defined() {
-            span = frame.span;
-        }
-        let sites = &mut self.executable.sites;
-        *self.sites.entry((frame.handle, expression)).or_insert_with(|| {
-            sites.push(Place { function: frame.handle, expression: Some(expression), span });
-            Site((sites.len() - 1) as u32)
-        })
     }
 }
 

@@ -52,6 +52,7 @@ impl<'m> Compiler<'m> {
             result,
             span: naga::Span::UNDEFINED,
         };
+        self.narrow_arguments(&mut frame);
         for (local, variable) in function.local_variables.iter() {
             let registers = self.variable(variable.ty, function.local_variables.get_span(local))?;
             frame.locals.insert(local, registers.clone());
@@ -78,6 +79,20 @@ impl<'m> Compiler<'m> {
             }
         }
         Ok(frame)
+    }
+
+    /// Parameters of lower precision take what they are given as numbers of it.
+    fn narrow_arguments(&mut self, frame: &mut Frame<'m>) {
+        if !self.subject.lowered {
+            return;
+        }
+        for (handle, expression) in frame.function.expressions.iter() {
+            let &Expression::FunctionArgument(index) = expression else { continue };
+            let site = self.site(frame, handle);
+            if let Some(Value::Registers(registers)) = frame.arguments.get(index as usize).cloned() {
+                frame.arguments[index as usize] = Value::Registers(self.narrowed(site, &registers).into());
+            }
+        }
     }
 
     /// A block of its own.
@@ -186,6 +201,10 @@ impl<'m> Compiler<'m> {
                 let inner = self.pointee(frame, *pointer);
                 let pointer = self.pointer(frame, *pointer)?;
                 let value = self.registers(frame, *value)?;
+                let value = match self.written(frame, span) {
+                    Some(site) => Rc::from(self.narrowed(site, &value)),
+                    None => value,
+                };
                 if pointer.memory.is_some() {
                     self.store_shared(frame, &pointer, &inner, &value)?;
                 } else {
@@ -221,7 +240,7 @@ impl<'m> Compiler<'m> {
         let sites = &mut self.executable.sites;
         let mut new = || {
             sites.push(Place { function: frame.handle, expression: None, span });
-            Site((sites.len() - 1) as u32)
+            Site::new(sites.len() - 1)
         };
         match self.subject.dispatch {
             None => new(),
@@ -276,6 +295,8 @@ impl<'m> Compiler<'m> {
         if let Some(result) = result {
             // The registers of the result are written again when this call is run again.
             let copies = self.copies(&registers);
+            let site = self.site(frame, result);
+            let copies = self.narrowed(site, &copies);
             frame.values.insert(result, Value::Registers(copies.into()));
         }
         Ok(())

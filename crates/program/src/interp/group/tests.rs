@@ -33,6 +33,8 @@ fn run(text: &str, words: u32, zeroed: bool) -> Outcome {
         max_vertices: None,
         shared: &shared,
         dispatch: None,
+        manners: None,
+        lowered: false,
     };
     let executable = Executable::compile(&subject).unwrap();
     let buffer = |shape: &super::MemoryShape| {

@@ -18,6 +18,8 @@ fn refused(text: &str) -> (String, String) {
         max_vertices: None,
         shared: &[],
         dispatch: None,
+        manners: None,
+        lowered: false,
     };
     match Executable::compile(&subject) {
         Err(InterpError::Unsupported { what, span }) => {

@@ -66,6 +66,8 @@ pub(super) fn compile_with((module, info): &(Module, ModuleInfo), feeds: bool) -
         max_vertices: None,
         shared: &[],
         dispatch: None,
+        manners: None,
+        lowered: false,
     };
     Executable::compile(&subject)
 }
