@@ -54,6 +54,14 @@ pub enum FuzzFindingKind {
     IllConditioned,
     /// An output is too large for binary32.
     TooLarge,
+    /// An output is made of rounding errors, which a device may regroup away.
+    RoundingOrder,
+    /// A value is too large for `mediump`.
+    MediumpOverflow,
+    /// A value is so small that `mediump` takes it for 0.
+    MediumpUnderflow,
+    /// An operation needs digits that `mediump` does not have.
+    MediumpDigits,
 }
 
 impl FuzzFindingKind {
@@ -82,6 +90,10 @@ impl FuzzFindingKind {
             Self::Divergence => "divergence",
             Self::IllConditioned => "ill_conditioned",
             Self::TooLarge => "too_large",
+            Self::RoundingOrder => "rounding_order",
+            Self::MediumpOverflow => "mediump_overflow",
+            Self::MediumpUnderflow => "mediump_underflow",
+            Self::MediumpDigits => "mediump_digits",
         }
     }
 
@@ -103,7 +115,11 @@ impl FuzzFindingKind {
                 Standing::Unstated => Severity::Warning,
                 Standing::Extreme => Severity::Note,
             },
-            Self::IllConditioned => match standing {
+            Self::IllConditioned
+            | Self::RoundingOrder
+            | Self::MediumpOverflow
+            | Self::MediumpUnderflow
+            | Self::MediumpDigits => match standing {
                 Standing::Counts | Standing::Unstated => Severity::Warning,
                 Standing::Extreme => Severity::Note,
             },

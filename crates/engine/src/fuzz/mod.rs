@@ -13,6 +13,7 @@ mod finding;
 mod generate;
 mod hint;
 mod lanes;
+mod lowered;
 mod modules;
 mod name;
 mod realistic;

@@ -60,6 +60,18 @@ impl Named {
         }
     }
 
+    /// True for a sum that is `part` of its terms at most in real numbers, and in binary32 what roundings left: the error of another sum or product, as
+    /// error-free transformations take it (Dekker 1971, Knuth's TwoSum, Kahan's summation).
+    fn is_of_roundings(&self, part: f64) -> bool {
+        let size = self.args.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+        let rest = f64::from(self.strict).abs();
+        matches!(self.op, Some(Op::Add | Op::Sub))
+            && self.value.abs() <= size * part
+            && self.meaning.abs() <= size * part
+            && rest > 0.0
+            && rest <= size * 2f64.powi(-20)
+    }
+
     /// What makes it one finding with others.
     pub fn key(&self) -> Key {
         (self.kind, self.op, self.site)
@@ -171,6 +183,11 @@ fn one(
         _ if value.abs() > f64::from(f32::MAX) => FuzzFindingKind::Overflow,
         _ if value != 0.0 && value.abs() < f64::from(f32::MIN_POSITIVE) => FuzzFindingKind::Underflow,
         _ if forked => return None,
+        // Under `precise` an operation is what it is written as, and a difference that is 0 in real numbers is meant.
+        Trouble::Moved if named.site.is_some_and(Site::is_precise) && named.is_of_roundings(2f64.powi(-24)) => {
+            return None;
+        }
+        Trouble::Moved if named.is_of_roundings(2f64.powi(-40)) => FuzzFindingKind::RoundingOrder,
         _ => of_results(trouble),
     };
     Some(named)

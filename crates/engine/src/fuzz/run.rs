@@ -6,6 +6,7 @@ use super::domain::{Domain, InputDomain, Law, Standing, Within};
 use super::finding::{Finding, FunctionReport, FuzzFindingKind, Part, Severity};
 use super::generate;
 use super::lanes::OnLane;
+use super::lowered::Lowered;
 use super::name::{Key, Named, applied, decimal, name, place, undefined};
 use super::scan::{LIMIT, Look, ROUNDS, Trouble, scan};
 use super::shrinking::smallest;
@@ -14,7 +15,7 @@ use crate::{InputValue, dispatch};
 use base::value::{Batch, Record};
 use judge::profile::{Op, Promises};
 use judge::verdict::{Fenced, Oracle, Reference, Rounds, edges};
-use lanes::{Lane, LaneName, interrupt};
+use lanes::{Lane, LaneName, embedded, interrupt};
 use property::{Sample, Stream, regressions};
 
 /// Samples of one batch, and words of its largest record in all.
@@ -151,6 +152,14 @@ pub fn run(
         }
     };
     let reference = Reference::nothing(&ready.program);
+    let lowers = lanes.iter().any(|(lane, _)| embedded::lowers(*lane));
+    let lowered_oracle = match lowers.then(|| Oracle::lowered(&ready.program)).transpose() {
+        Ok(lowered) => lowered,
+        Err(error) => {
+            report.not_run = Some(error.locate(&ready.program));
+            return Ok(report);
+        }
+    };
     let case = request.case.as_ref().map(|text| given(ready, text)).transpose()?;
     let (invocation, uniforms) = (&ready.kernel.invocation, &ready.kernel.case);
     let widest = ready.kernel.output.words().max(invocation.words()).max(uniforms.words()).max(1);
@@ -160,7 +169,10 @@ pub fn run(
     let capacity = size.min(samples as usize);
     let mut on: Vec<OnLane<'_>> = lanes
         .iter()
-        .map(|(lane, promises)| OnLane::new((*lane, promises), ready, (&reference, &oracle), capacity))
+        .map(|(lane, promises)| {
+            let oracle = lowered_oracle.as_ref().filter(|_| embedded::lowers(*lane)).unwrap_or(&oracle);
+            OnLane::new((*lane, promises), ready, (&reference, oracle), capacity)
+        })
         .collect();
     let key = stream_key(request.seed, &subject.label);
     let mut groups: HashMap<Key, Group> = HashMap::new();
@@ -172,6 +184,7 @@ pub fn run(
         report.taken_for = all.into_iter().map(|taken| taken.map(str::to_owned)).collect();
     }
     let second = if in_parts { samples / SECOND } else { 0 };
+    let mut lowered = Lowered::new(ready);
     for (part, samples) in [(Part::Realistic, samples - second), (Part::Hostile, second)] {
         let mut first = 0;
         while first < samples && !interrupt::asked() {
@@ -190,6 +203,9 @@ pub fn run(
                 break;
             }
             sort(looked, part, &batch, &looks, &mut groups, &mut report);
+            if let (Some(lowered), Part::Realistic) = (&mut lowered, part) {
+                lowered.look(&batch, &looks);
+            }
             // What is undefined may differ from one invocation to the next.
             let twins = twins.into_iter().filter(|&(twin, _)| !looks[twin].undefined).collect();
             let (batch, twins) = that_end(batch, &looks, twins);
@@ -244,6 +260,11 @@ pub fn run(
         report.findings.extend(findings);
     }
     add_findings(looked, groups, request, &reproduce, &mut report);
+    if let Some(lowered) = lowered.filter(|_| !interrupt::asked()) {
+        let standing = Standing::Counts;
+        let found = lowered.findings(domain, looked.within(standing), looked.part(standing), &reproduce);
+        report.findings.extend(found);
+    }
     report.findings.sort_by_key(|f| (f.severity, f.kind));
     Ok(report)
 }
@@ -438,6 +459,7 @@ fn finding(
             | FuzzFindingKind::Underflow
             | FuzzFindingKind::Lost
             | FuzzFindingKind::IllConditioned
+            | FuzzFindingKind::RoundingOrder
             | FuzzFindingKind::TooLarge
     );
     Finding {
@@ -516,6 +538,11 @@ fn message(named: &Named, shown: &str) -> String {
                 decimal(named.meaning)
             )
         }
+        FuzzFindingKind::RoundingOrder => format!(
+            "relies on rounding order: `{shown} is 0 in real numbers, binary32 gives {strict}, and a conforming device may \
+             regroup{}, which leaves nothing of it; add `precise` to what it is computed from",
+            op.as_ref().map_or_else(String::new, |op| format!(" {op}"))
+        ),
         FuzzFindingKind::TooLarge => format!("`{shown} is too large for binary32{}", by("is")),
         FuzzFindingKind::NotWritten => format!("`{shown} is not written"),
         FuzzFindingKind::TooManyVertices => {
@@ -534,7 +561,10 @@ fn message(named: &Named, shown: &str) -> String {
         | FuzzFindingKind::NotDeterministic
         | FuzzFindingKind::LaneFailed
         | FuzzFindingKind::Race
-        | FuzzFindingKind::Divergence => named.kind.name().to_owned(),
+        | FuzzFindingKind::Divergence
+        | FuzzFindingKind::MediumpOverflow
+        | FuzzFindingKind::MediumpUnderflow
+        | FuzzFindingKind::MediumpDigits => named.kind.name().to_owned(),
     }
 }
 

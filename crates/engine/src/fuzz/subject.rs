@@ -43,6 +43,8 @@ pub struct Ready {
     pub kernel: Kernel,
     /// What the interpreter runs.
     pub executable: Executable,
+    /// The same for a device on which `mediump` is less than binary32; none where nothing is lower.
+    pub lowered: Option<Executable>,
     /// What a program would give it.
     pub realistic: Realistic,
 }
@@ -80,7 +82,8 @@ pub fn subjects(shader: &Shader, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Su
         let dispatch = dispatched(shader, info);
         let ready = ready(shader, id, info).map(|(program, kernel, executable)| {
             let realistic = realistic(shader, info, &usages, &kernel);
-            Box::new(Ready { program, kernel, executable, realistic })
+            let lowered = lowered(&program);
+            Box::new(Ready { program, kernel, executable, lowered, realistic })
         });
         stated.extend(ready.iter().flat_map(|ready| numbers(ready, &ranges, &stated)).collect::<Vec<_>>());
         let parameters = info.params.iter().map(Parameter::of).collect();
@@ -200,6 +203,14 @@ pub(super) fn made(program: Program) -> Result<Made, String> {
     }
     let executable = interp::compile(&program).map_err(|e| e.locate(&program))?;
     Ok((program, kernel, executable))
+}
+
+/// A program as a device runs it on which `mediump` is less than binary32.
+fn lowered(program: &Program) -> Option<Executable> {
+    if !program.manners.lower() {
+        return None;
+    }
+    interp::compile_lowered(program).ok()
 }
 
 /// Why a program cannot be made, in one line with the place in the author's file.
