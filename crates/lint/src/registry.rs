@@ -115,6 +115,8 @@ pub const RULES: &[&Rule] = &[
     &glsl::unsigned_wraps::RULE,
     &glsl::quotient_below_zero::RULE,
     &glsl::extreme_from_zero::RULE,
+    &glsl::mediump_epsilon::RULE,
+    &glsl::mediump_digits::RULE,
     // P. Cost.
     &glsl::inverse_in_shader::RULE,
     &glsl::matrix_chain_order::RULE,

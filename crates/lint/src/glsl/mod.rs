@@ -64,6 +64,8 @@ pub(super) mod matrix_vector_dim;
 pub(super) mod max_vertices_too_large;
 pub(super) mod max_vertices_too_small;
 pub(super) mod maybe_uninitialised_read;
+pub(super) mod mediump_digits;
+pub(super) mod mediump_epsilon;
 pub(super) mod missing_barrier;
 pub(super) mod missing_end_primitive;
 pub(super) mod missing_homogeneous_divide;
