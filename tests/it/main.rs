@@ -41,6 +41,7 @@ mod page;
 mod piglit;
 mod planted;
 mod positions;
+mod precision;
 mod probe;
 mod refdata;
 mod refused;
