@@ -1,12 +1,13 @@
 //! The files of one run, read once: shaders with their interface, host files with their tree.
 
+mod kept;
 mod printed;
 mod shader;
 mod template;
 mod words;
 
 use std::collections::{BTreeMap, HashMap, HashSet};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
@@ -146,12 +147,14 @@ pub struct Input {
     tree: HostTree,
     /// What joins a text in WGSL with what it imports.
     composer: Option<Composer>,
+    /// What has been read of it, where that is kept for further runs.
+    kept: Option<Arc<kept::Kept>>,
 }
 
 impl Input {
     /// A text whose diagnostics are wanted.
     pub fn new(file: SourceFile) -> Self {
-        Self { file, reported: true, named: false, stage: None, tree: HostTree::default(), composer: None }
+        Self { file, reported: true, named: false, stage: None, tree: HostTree::default(), composer: None, kept: None }
     }
 
     /// A text that others refer to; nothing is reported on it.
@@ -186,14 +189,8 @@ impl Input {
     /// Another text under the same name.
     #[must_use]
     pub fn with_file(&self, file: SourceFile) -> Self {
-        let composer = self.composer.clone();
-        Self { reported: self.reported, named: self.named, stage: self.stage, composer, ..Self::new(file) }
-    }
-
-    fn script(&self) -> HostFile {
-        let mut host = HostFile::script(&self.file, self.reported);
-        host.named = self.named;
-        host
+        let (composer, kept) = (self.composer.clone(), self.kept.as_ref().map(|_| Arc::default()));
+        Self { reported: self.reported, named: self.named, stage: self.stage, composer, kept, ..Self::new(file) }
     }
 
     fn host(&self) -> HostFile {
@@ -226,9 +223,9 @@ impl<T> Default for Files<T> {
 
 /// All files of a run.
 pub struct Project {
-    shaders: Files<ShaderFile>,
+    shaders: Files<Arc<ShaderFile>>,
     /// Shaders in literals of host files and in files with several, by the path and their index there.
-    embedded: BTreeMap<(String, usize), ShaderFile>,
+    embedded: BTreeMap<(String, usize), Arc<ShaderFile>>,
     hosts: Files<HostFile>,
     config: Config,
     /// Words of all shaders, once they have been asked for.
@@ -239,7 +236,7 @@ pub struct Project {
 
 /// An input, read by what its name says it is.
 enum Read {
-    Shader(Box<ShaderFile>),
+    Shader(Arc<ShaderFile>),
     Sections(Vec<ShaderFile>),
     Host(Box<HostFile>),
     Document(Vec<ShaderFile>, Vec<HostFile>),
@@ -249,7 +246,8 @@ impl Read {
     fn new(input: &Input, wanted: Wanted) -> (String, Option<Self>) {
         let path = normalise(input.file.name());
         if let Some(stage) = input.stage.filter(|_| language_of(&path) != Some(Language::Wgsl)) {
-            return (path, Some(Self::Shader(Box::new(ShaderFile::of_file(input, stage, wanted)))));
+            let shader = input.shader(wanted, || ShaderFile::of_file(input, stage, wanted));
+            return (path, Some(Self::Shader(shader)));
         }
         let read = match language_of(&path) {
             Some(Language::Shader(_)) if context::is_raw_string_file(input.file.text()) => {
@@ -265,10 +263,10 @@ impl Read {
                     None
                 } else {
                     let stage = stage_of(&input.file).unwrap_or(stage);
-                    Some(Self::Shader(Box::new(ShaderFile::of_file(input, stage, wanted))))
+                    Some(Self::Shader(input.shader(wanted, || ShaderFile::of_file(input, stage, wanted))))
                 }
             }
-            Some(Language::Wgsl) => Some(Self::Shader(Box::new(ShaderFile::wgsl(input)))),
+            Some(Language::Wgsl) => Some(Self::Shader(input.shader(wanted, || ShaderFile::wgsl(input)))),
             Some(Language::Host) => Some(Self::Host(Box::new(input.host()))),
             Some(Language::Script) => Some(Self::Host(Box::new(input.script()))),
             None => Document::read(&input.file).map(|document| Self::document(input, document)),
@@ -307,17 +305,17 @@ impl Project {
         for (path, read) in read {
             match read {
                 Some(Read::Shader(shader)) => {
-                    project.shaders.insert(path, *shader);
+                    project.shaders.insert(path, shader);
                 }
                 Some(Read::Sections(parts)) => {
-                    let keyed = parts.into_iter().enumerate().map(|(index, part)| ((path.clone(), index), part));
+                    let keyed = parts.into_iter().enumerate().map(|(i, part)| ((path.clone(), i), Arc::new(part)));
                     project.embedded.extend(keyed);
                 }
                 Some(Read::Host(host)) => {
                     project.hosts.insert(path, host.with_wrappers(&config.wrappers));
                 }
                 Some(Read::Document(shaders, hosts)) => {
-                    let keyed = shaders.into_iter().enumerate().map(|(index, part)| ((path.clone(), index), part));
+                    let keyed = shaders.into_iter().enumerate().map(|(i, part)| ((path.clone(), i), Arc::new(part)));
                     project.embedded.extend(keyed);
                     for host in hosts {
                         project.hosts.insert(normalise(host.file.name()), host.with_wrappers(&config.wrappers));
@@ -328,27 +326,19 @@ impl Project {
         }
         let wrappers = wrappers_of_project(project.hosts.by_path.values());
         project.hosts.by_path.values_mut().for_each(|h| h.add_wrappers(&wrappers));
+        let by_path: HashMap<String, &Input> =
+            files.iter().filter(|i| i.kept.is_some()).map(|i| (normalise(i.file.name()), i)).collect();
+        for (path, host) in &mut project.hosts.by_path {
+            if let Some(input) = by_path.get(path) {
+                input.recall(host);
+            }
+        }
         let hosts: Vec<(&String, &HostFile)> = project.hosts.by_path.iter().collect();
-        let embedded: Vec<((String, usize), ShaderFile)> = hosts
+        let embedded: Vec<((String, usize), Arc<ShaderFile>)> = hosts
             .into_par_iter()
             .flat_map_iter(|(path, host)| {
-                host.embedded().iter().enumerate().map(move |(index, embedded)| {
-                    let file = SourceFile::new(embedded.name.as_str(), embedded.literal.text.as_str());
-                    let input = if host.reported { Input::new(file) } else { Input::context(file) };
-                    let mut shader = if embedded.wgsl {
-                        ShaderFile::wgsl(&input)
-                    } else if host.is_script() {
-                        ShaderFile::in_script(host, &input, embedded, wanted)
-                    } else {
-                        ShaderFile::new(&input, embedded.stage)
-                    };
-                    // One rule tells what is wrong; all else follows from it.
-                    shader.reported &= embedded.run_on().is_none();
-                    if shader.origin.is_none() {
-                        shader.origin = Some(Origin { host: host.file.clone(), literal: embedded.literal.clone() });
-                    }
-                    ((path.clone(), index), shader)
-                })
+                let all = kept::embedded(host, by_path.get(path).copied(), wanted);
+                all.into_iter().enumerate().map(move |(index, shader)| ((path.clone(), index), shader))
             })
             .collect();
         project.embedded.extend(embedded);
@@ -362,12 +352,12 @@ impl Project {
 
     /// All shaders: files by path, then those in literals of host files.
     pub fn shaders(&self) -> impl Iterator<Item = &ShaderFile> {
-        self.shaders.by_path.values().chain(self.embedded.values())
+        self.shaders.by_path.values().chain(self.embedded.values()).map(|shader| &**shader)
     }
 
     /// The shader files, without those in literals, by path.
     pub fn shader_files(&self) -> impl Iterator<Item = (&str, &ShaderFile)> {
-        self.shaders.by_path.iter().map(|(path, shader)| (path.as_str(), shader))
+        self.shaders.by_path.iter().map(|(path, shader)| (path.as_str(), &**shader))
     }
 
     /// The shaders of each file that holds several.
@@ -386,14 +376,18 @@ impl Project {
             ShaderRef::File(name) => {
                 self.shader_called(host, name).or_else(|| self.shader_named(host.file.name(), name))
             }
-            ShaderRef::Embedded(index) => self.embedded.get(&(normalise(host.file.name()), *index)),
+            ShaderRef::Embedded(index) => self.embedded_in(host, *index),
         }
     }
 
     /// The module in WGSL that is the string at a place of a host file.
     pub fn module_at(&self, host: &HostFile, place: Span) -> Option<&ShaderFile> {
         let index = host.embedded().iter().position(|e| e.wgsl && e.place == place)?;
-        self.embedded.get(&(normalise(host.file.name()), index))
+        self.embedded_in(host, index)
+    }
+
+    fn embedded_in(&self, host: &HostFile, index: usize) -> Option<&ShaderFile> {
+        self.embedded.get(&(normalise(host.file.name()), index)).map(|shader| &**shader)
     }
 
     /// All programs whose stages are known for certain.
@@ -414,7 +408,7 @@ impl Project {
 
     /// The program of shaders that the configuration names.
     pub fn configured(&self, paths: &[String]) -> Option<Program<'_>> {
-        let found: Vec<Option<&ShaderFile>> = paths.iter().map(|p| lookup(&self.shaders, "", p)).collect();
+        let found: Vec<Option<&ShaderFile>> = paths.iter().map(|p| self.shader_named("", p)).collect();
         let all = found.iter().all(Option::is_some);
         Program::new(found.into_iter().flatten().collect(), all)
     }
@@ -432,7 +426,7 @@ impl Project {
     /// The shader that the host file called `from` means by `name`: the path from the host file, or
     /// the one shader of the run whose path ends so.
     pub fn shader_named(&self, from: &str, name: &str) -> Option<&ShaderFile> {
-        lookup(&self.shaders, from, name)
+        lookup(&self.shaders, from, name).map(|shader| &**shader)
     }
 
     /// The host file that `from` means by `#include "name"`, found like a shader.
@@ -446,7 +440,7 @@ impl Project {
         let name = stem(&host);
         let start = format!("{}.", &host[..host.len() - file_name(&host).len() + name.len()]);
         let from = self.shaders.by_path.range(start.clone()..);
-        from.take_while(|(path, _)| path.starts_with(&start)).map(|(_, shader)| shader).collect()
+        from.take_while(|(path, _)| path.starts_with(&start)).map(|(_, shader)| &**shader).collect()
     }
 }
 

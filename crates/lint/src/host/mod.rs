@@ -80,7 +80,7 @@ pub(super) use fed::Fed;
 pub(super) use group::is_shader_name;
 pub(super) use literal::Literal;
 pub use marks::stage_of_file;
-pub(super) use program::{ShaderRef, named_shaders};
+pub(super) use program::{ShaderRef, named_shaders, resolve};
 pub(super) use suggest::{list, list_in_japanese, nearest};
 pub(super) use syntax::quoted_includes;
 pub(super) use wrappers::of_project as wrappers_of_project;
@@ -101,9 +101,15 @@ pub struct HostFile {
     wrappers: Vec<Wrapper>,
     tree: HostTree,
     /// What was read instead of a tree, in another language than C++.
-    script: Option<Script>,
+    script: Option<Arc<Script>>,
     /// False for text that cannot feed shaders: most files of a project.
     concerned: bool,
+    found: Arc<Found>,
+}
+
+/// What has been found in a host file: it follows from its text and the wrappers of its project.
+#[derive(Default)]
+pub(super) struct Found {
     lookups: OnceLock<Vec<Lookup>>,
     embedded: OnceLock<Vec<Embedded>>,
     constants: OnceLock<Constants>,
@@ -130,17 +136,17 @@ impl HostFile {
             place: None,
             wrappers: Vec::new(),
             script: None,
-            lookups: OnceLock::new(),
-            embedded: OnceLock::new(),
-            constants: OnceLock::new(),
-            programs: OnceLock::new(),
-            fragment: OnceLock::new(),
+            found: Arc::default(),
         }
     }
 
     /// A file of another language.
     pub(super) fn script(file: &SourceFile, reported: bool) -> Self {
-        let script = Script::read(file);
+        Self::of_script(file, reported, Arc::new(Script::read(file)))
+    }
+
+    /// A file of another language that has been read already.
+    pub(super) fn of_script(file: &SourceFile, reported: bool, script: Arc<Script>) -> Self {
         let concerned = !script.lookups.is_empty()
             || !script.shaders.is_empty()
             || !script.tables.is_empty()
@@ -185,6 +191,21 @@ impl HostFile {
         self.wrappers.extend(new);
     }
 
+    /// The functions of the project that wrap those of OpenGL.
+    pub(super) fn wrappers(&self) -> &[Wrapper] {
+        &self.wrappers
+    }
+
+    /// What has been found in this file, for another reading of the same text in the same project.
+    pub(super) fn found(&self) -> Arc<Found> {
+        self.found.clone()
+    }
+
+    /// Takes over what another reading of the same text in the same project has found.
+    pub(super) fn take_found(&mut self, found: Arc<Found>) {
+        self.found = found;
+    }
+
     /// The root of the tree, which the first call makes; none when the parser gave up, and for other languages.
     pub fn root(&self) -> Option<Node<'_>> {
         if self.script.is_some() {
@@ -210,11 +231,11 @@ impl HostFile {
     }
 
     /// All look-ups with a literal name, in the order of the text.
-    fn lookups(&self) -> &[Lookup] {
+    pub fn lookups(&self) -> &[Lookup] {
         if let Some(script) = &self.script {
             return &script.lookups;
         }
-        self.lookups.get_or_init(|| if self.concerned { lookup::find(self) } else { Vec::new() })
+        self.found.lookups.get_or_init(|| if self.concerned { lookup::find(self) } else { Vec::new() })
     }
 
     /// The shaders in literals, in the order of the text.
@@ -222,12 +243,12 @@ impl HostFile {
         if let Some(script) = &self.script {
             return &script.shaders;
         }
-        self.embedded.get_or_init(|| if self.concerned { embedded::find(self) } else { Vec::new() })
+        self.found.embedded.get_or_init(|| if self.concerned { embedded::find(self) } else { Vec::new() })
     }
 
     /// The shader files that its variables and macros hold.
     fn constants(&self) -> &Constants {
-        self.constants.get_or_init(|| Constants::of(self))
+        self.found.constants.get_or_init(|| Constants::of(self))
     }
 
     /// The programs that the file makes, and the shaders that it names.
@@ -235,7 +256,7 @@ impl HostFile {
         if let Some(script) = &self.script {
             return &script.programs;
         }
-        self.programs.get_or_init(|| if self.concerned { programs::find(self) } else { HostPrograms::default() })
+        self.found.programs.get_or_init(|| if self.concerned { programs::find(self) } else { HostPrograms::default() })
     }
 
     /// The names that statements at file level declare, as a book prints them; none for a text that is a file of
@@ -260,7 +281,7 @@ impl HostFile {
     /// True for statements at file level, as a book prints them.
     pub fn is_fragment(&self) -> bool {
         let whole = || self.root().is_some_and(|r| !r.has_error()) || self.place.is_some() || self.named;
-        *self.fragment.get_or_init(|| self.concerned && whole() && self.statements().is_some())
+        *self.found.fragment.get_or_init(|| self.concerned && whole() && self.statements().is_some())
     }
 
     /// Number of places that the parser could not read.

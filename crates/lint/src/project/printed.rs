@@ -55,7 +55,7 @@ impl Project {
         let document = &host.place.as_ref()?.document;
         let same = |s: &&ShaderFile| s.place.as_ref().is_some_and(|p| p.document == *document);
         let called = |s: &&ShaderFile| s.called.as_deref().is_some_and(|c| file_name(c) == file_name(name));
-        let mut found = self.embedded.values().filter(same).filter(called);
+        let mut found = self.embedded.values().map(|s| &**s).filter(same).filter(called);
         found.next().filter(|_| found.next().is_none())
     }
 }

@@ -37,6 +37,8 @@ pub struct Machine<'s> {
     /// What `discard`s depend on: paths that go on did not take them.
     pub(super) discarded: Sources,
     pub(super) visits: BTreeMap<ExprId, Vec<Visit>>,
+    /// An expression that is watched, with all that it gave.
+    pub(super) watched: Option<(ExprId, Option<Value>)>,
     /// Variables by the place of their declaration.
     pub(super) declared: BTreeMap<usize, SymbolId>,
     steps: usize,
@@ -72,6 +74,7 @@ impl<'s> Machine<'s> {
             recording: true,
             discarded: Sources::NONE,
             visits: BTreeMap::new(),
+            watched: None,
             declared: shader.symbols().filter_map(|(id, s)| Some((s.span?.start, id))).collect(),
             steps: 0,
             reached: Vec::new(),
@@ -167,7 +170,15 @@ impl<'s> Machine<'s> {
         {
             *only = only.narrowed(fact);
         }
-        if value.sources().apart_from(self.state.path) { value } else { value.vague() }
+        let value = if value.sources().apart_from(self.state.path) { value } else { value.vague() };
+        if let Some((watched, gave)) = &mut self.watched
+            && *watched == id
+            && self.recording
+            && !self.state.dead
+        {
+            *gave = Some(gave.as_ref().map_or_else(|| value.clone(), |before| before.join(&value)));
+        }
+        value
     }
 
     /// A value of which only the type is known.

@@ -60,6 +60,28 @@ impl Observed {
     }
 }
 
+/// The range of each component of an expression, over all ways that lead to it; none where it is never reached, or is
+/// no number. `config` states the ranges of inputs.
+pub fn of_expression(shader: &Shader, config: &Config, id: ExprId) -> Option<Vec<Derived>> {
+    let mut machine = eval::Machine::new(shader, config);
+    machine.watched = Some((id, None));
+    machine.run();
+    let (_, gave) = machine.watched?;
+    let derived = |part: &Range| Derived { lo: part.lo, hi: part.hi, nan: part.nan };
+    gave.map(|value| value.parts.iter().map(derived).collect()).filter(|parts: &Vec<Derived>| !parts.is_empty())
+}
+
+/// Every value that one component of an expression can have lies between two ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Derived {
+    /// Least value; minus infinity where nothing is known.
+    pub lo: f64,
+    /// Greatest value; infinity where nothing is known.
+    pub hi: f64,
+    /// True when it may be NaN as well.
+    pub nan: bool,
+}
+
 /// The spelling of an expression without side effects by which equal ones are recognised.
 pub fn key(shader: &Shader, id: ExprId) -> Option<String> {
     key::of(shader, id)

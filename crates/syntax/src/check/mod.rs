@@ -19,6 +19,8 @@ mod places;
 mod statement;
 mod uses;
 
+pub(super) use offsets::extent_of;
+
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 

@@ -3,12 +3,13 @@
 
 use super::super::ast::{InterfaceBlock, Qualifiers};
 use super::super::interface::Storage;
+use super::super::memory::packing_word;
 use super::super::types::{ArraySize, ScalarType, Type};
 use super::Checker;
 use base::diagnostic::message;
 
 /// Alignment and size in bytes; none where a size is not known.
-fn layout_of(ty: &Type, std140: bool, row_major: bool) -> Option<(i64, i64)> {
+pub fn extent_of(ty: &Type, std140: bool, row_major: bool) -> Option<(i64, i64)> {
     let up = |n: i64, to: i64| (n + to - 1) / to * to;
     let unit = |s: ScalarType| if s == ScalarType::Double { 8 } else { 4 };
     Some(match ty {
@@ -17,10 +18,10 @@ fn layout_of(ty: &Type, std140: bool, row_major: bool) -> Option<(i64, i64)> {
         Type::Matrix(s, columns, rows) => {
             let (count, length) = if row_major { (*rows, *columns) } else { (*columns, *rows) };
             let column = Type::Vector(*s, length).array(u32::from(count));
-            return layout_of(&column, std140, row_major);
+            return extent_of(&column, std140, row_major);
         }
         Type::Array(element, size) => {
-            let (align, bytes) = layout_of(element, std140, row_major)?;
+            let (align, bytes) = extent_of(element, std140, row_major)?;
             let align = if std140 { up(align, 16) } else { align };
             let count = match size {
                 ArraySize::Known(n) => i64::from(*n),
@@ -33,7 +34,7 @@ fn layout_of(ty: &Type, std140: bool, row_major: bool) -> Option<(i64, i64)> {
         Type::Struct(s) => {
             let (mut most, mut at) = (if std140 { 16 } else { 1 }, 0i64);
             for field in &s.fields {
-                let (align, bytes) = layout_of(&field.ty, std140, row_major)?;
+                let (align, bytes) = extent_of(&field.ty, std140, row_major)?;
                 most = most.max(align);
                 at = up(at, align).checked_add(bytes)?;
             }
@@ -51,13 +52,9 @@ impl Checker<'_> {
         let (Some(first), Storage::Uniform | Storage::Buffer, false) = (first, storage, self.language.is_open()) else {
             return;
         };
-        let packing = |q: &Qualifiers| {
-            let entries = q.layouts().flat_map(|(entries, _)| entries).map(|e| e.key.name.clone());
-            entries.filter(|k| matches!(k.as_str(), "std140" | "std430" | "shared" | "packed")).last()
-        };
         let defaults = self.out.interface.stage_layouts.iter().filter(|l| l.storage == Some(storage));
-        let packing =
-            packing(&block.qualifiers).or_else(|| defaults.filter_map(|l| packing(&l.qualifiers)).next_back());
+        let packing = packing_word(&block.qualifiers)
+            .or_else(|| defaults.filter_map(|l| packing_word(&l.qualifiers)).next_back());
         let std140 = match packing.as_deref() {
             Some("std140") => true,
             Some("std430") => false,
@@ -73,7 +70,7 @@ impl Checker<'_> {
         let align = self.entry_number(&block.qualifiers, "align");
         let mut next = 0i64;
         for (ty, qualifiers) in members {
-            let Some((base, bytes)) = layout_of(ty, std140, row_major(qualifiers) || row_major(&block.qualifiers))
+            let Some((base, bytes)) = extent_of(ty, std140, row_major(qualifiers) || row_major(&block.qualifiers))
             else {
                 return;
             };

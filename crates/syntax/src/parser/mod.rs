@@ -5,7 +5,7 @@ mod declaration;
 mod expression;
 mod qualifier;
 mod statement;
-mod words;
+pub(super) mod words;
 
 use super::ast::{Arena, Expr, ExprId, ExprKind, Ident, Unit};
 use super::errors;

@@ -193,6 +193,28 @@ fn is_keyword(word: &str) -> bool {
         || Type::from_name(word).is_some()
 }
 
+/// All words with a meaning of their own in a language: keywords, and names of types.
+pub(crate) fn all(language: &Language) -> Vec<String> {
+    let words = Words::new(language);
+    let keywords = STATEMENTS.iter().chain(QUALIFIERS).chain(&["struct", "precision", "true", "false"]);
+    let mut all: Vec<String> = keywords.map(|word| (*word).to_owned()).collect();
+    let parts = |text: &'static str| text.split(' ');
+    all.extend(parts("void bool int uint float double atomic_uint").map(str::to_owned));
+    for prefix in ["", "b", "i", "u", "d"] {
+        all.extend(parts("vec2 vec3 vec4").map(|name| format!("{prefix}{name}")));
+        let sizes = parts("2 3 4 2x2 2x3 2x4 3x2 3x3 3x4 4x2 4x3 4x4");
+        all.extend(sizes.map(|size| format!("{prefix}mat{size}")));
+        for (kind, dimension) in
+            ["sampler", "image"].iter().flat_map(|k| parts("1D 2D 3D Cube 2DRect Buffer").map(move |d| (k, d)))
+        {
+            let ends = parts("MS MSArray Array Shadow ArrayShadow").chain([""]);
+            all.extend(ends.map(|end| format!("{prefix}{kind}{dimension}{end}")));
+        }
+    }
+    all.retain(|word| is_keyword(word) && !words.is_late(word));
+    all
+}
+
 /// True for a word that starts a statement and nothing else.
 pub(crate) fn is_statement_word(word: &str) -> bool {
     STATEMENTS.contains(&word)

@@ -1,0 +1,159 @@
+//! What has been read of an input, for further runs over the same text: an editor lints a project again after each key,
+//! and one file of it has changed.
+
+use std::fmt;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use base::text::SourceFile;
+
+use super::{Input, ShaderFile};
+use crate::config::Wrapper;
+use crate::embedded::Origin;
+use crate::host::{Found, HostFile};
+use crate::prelude::Wanted;
+use crate::script::Script;
+
+/// What has been read of one text. Clones of its input share it.
+#[derive(Default)]
+pub(super) struct Kept(Mutex<Readings>);
+
+impl fmt::Debug for Kept {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Kept")
+    }
+}
+
+#[derive(Default)]
+struct Readings {
+    /// The text as a shader, reported or not, in a project with this prelude.
+    shaders: Vec<((bool, Wanted), Arc<ShaderFile>)>,
+    script: Option<Arc<Script>>,
+    /// What a host file holds, in a project with these wrappers.
+    found: Option<(Vec<Wrapper>, Arc<Found>)>,
+    /// The shaders in its literals, reported or not, in a project with this prelude.
+    embedded: Vec<((bool, Wanted), Vec<Arc<ShaderFile>>)>,
+}
+
+impl Kept {
+    fn with<T>(&self, change: impl FnOnce(&mut Readings) -> T) -> T {
+        change(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+impl Input {
+    /// The same text, of which everything that is read is kept for as long as the input and its clones live.
+    #[must_use]
+    pub fn kept(self) -> Self {
+        Self { kept: Some(Arc::default()), ..self }
+    }
+
+    /// What a composer joins to a text may change while the text does not.
+    fn keeps_itself(&self) -> Option<&Kept> {
+        let alone = || !["import", "#", "package::", "super::"].iter().any(|word| self.file.text().contains(word));
+        self.kept.as_deref().filter(|_| self.composer.is_none() || alone())
+    }
+
+    /// The text as a shader.
+    pub(super) fn shader(&self, wanted: Wanted, read: impl FnOnce() -> ShaderFile) -> Arc<ShaderFile> {
+        let Some(kept) = self.keeps_itself() else { return Arc::new(read()) };
+        let key = (self.reported, wanted);
+        let known = kept.with(|r| r.shaders.iter().find(|(k, _)| *k == key).map(|(_, shader)| shader.clone()));
+        known.unwrap_or_else(|| {
+            let shader = Arc::new(read());
+            kept.with(|r| r.shaders.push((key, shader.clone())));
+            shader
+        })
+    }
+
+    /// The text as code of another language than C++.
+    pub(super) fn script(&self) -> HostFile {
+        let known = self.kept.as_ref().and_then(|kept| kept.with(|r| r.script.clone()));
+        let script = known.unwrap_or_else(|| {
+            let script = Arc::new(Script::read(&self.file));
+            if let Some(kept) = &self.kept {
+                kept.with(|r| r.script = Some(script.clone()));
+            }
+            script
+        });
+        let mut host = HostFile::of_script(&self.file, self.reported, script);
+        host.named = self.named;
+        host
+    }
+
+    /// Gives a host file of a project, whose wrappers are known by now, what has been found in this text.
+    pub(super) fn recall(&self, host: &mut HostFile) {
+        let Some(kept) = &self.kept else { return };
+        kept.with(|r| match &r.found {
+            Some((wrappers, found)) if wrappers == host.wrappers() => host.take_found(found.clone()),
+            _ => {
+                r.found = Some((host.wrappers().to_vec(), host.found()));
+                r.embedded.clear();
+            }
+        });
+    }
+}
+
+/// The shaders in the literals of a host file, which is this input where it is a file by itself.
+pub(super) fn embedded(host: &HostFile, input: Option<&Input>, wanted: Wanted) -> Vec<Arc<ShaderFile>> {
+    let kept = input.and_then(|i| i.kept.as_deref());
+    let key = (host.reported, wanted);
+    let known = kept.and_then(|k| k.with(|r| r.embedded.iter().find(|(k, _)| *k == key).map(|(_, all)| all.clone())));
+    known.unwrap_or_else(|| {
+        let all: Vec<Arc<ShaderFile>> = host.embedded().iter().map(|e| Arc::new(shader_in(host, e, wanted))).collect();
+        if let Some(kept) = kept {
+            kept.with(|r| r.embedded.push((key, all.clone())));
+        }
+        all
+    })
+}
+
+fn shader_in(host: &HostFile, embedded: &crate::host::Embedded, wanted: Wanted) -> ShaderFile {
+    let file = SourceFile::new(embedded.name.as_str(), embedded.literal.text.as_str());
+    let input = if host.reported { Input::new(file) } else { Input::context(file) };
+    let mut shader = if embedded.wgsl {
+        ShaderFile::wgsl(&input)
+    } else if host.is_script() {
+        ShaderFile::in_script(host, &input, embedded, wanted)
+    } else {
+        ShaderFile::new(&input, embedded.stage)
+    };
+    // One rule tells what is wrong; all else follows from it.
+    shader.reported &= embedded.run_on().is_none();
+    if shader.origin.is_none() {
+        shader.origin = Some(Origin { host: host.file.clone(), literal: embedded.literal.clone() });
+    }
+    shader
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Settings, run_with};
+
+    fn inputs(vertex: &str) -> Vec<Input> {
+        let host = "void f() { GLuint p = load(\"a.vert\", \"a.frag\"); glGetUniformLocation(p, \"tint\"); }";
+        let files = [
+            ("a.vert", vertex),
+            ("a.frag", "#version 330 core\nout vec4 c;\nuniform vec4 tint;\nvoid main() { c = tint; }\n"),
+            ("m.cpp", host),
+        ];
+        files.map(|(name, text)| Input::new(SourceFile::new(name, text)).kept()).to_vec()
+    }
+
+    #[test]
+    fn a_run_over_what_was_kept_finds_what_a_first_run_finds() {
+        let right = "#version 330 core\nin vec4 p;\nvoid main() { gl_Position = p; }\n";
+        let wrong = "#version 330 core\nin vec4 p;\nvoid main() { gl_Position = vec3(p); }\n";
+        let settings = Settings::default();
+        let mut now = inputs(right);
+        assert_eq!(run_with(&now, &settings).len(), 0);
+        now[0] = now[0].with_file(SourceFile::new("a.vert", wrong));
+        let found = run_with(&now, &settings);
+        assert_eq!(found, run_with(&inputs(wrong), &settings));
+        assert_eq!(found.len(), 1, "{found:?}");
+        // The host looks a name up that is gone.
+        now[0] = now[0].with_file(SourceFile::new("a.vert", right));
+        now[1] = now[1].with_file(SourceFile::new("a.frag", now[1].file.text().replace("tint", "tone")));
+        assert!(run_with(&now, &settings).iter().any(|d| d.file.name() == "m.cpp" && d.code.0 == "H004"));
+    }
+}
