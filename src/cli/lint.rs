@@ -1,9 +1,9 @@
 //! `shadercheck lint`: finds faults in shaders and in the host code around them, and repairs them.
 
-mod config;
+pub(super) mod config;
 pub(super) mod diff;
-mod files;
-mod groups;
+pub(super) mod files;
+pub(super) mod groups;
 mod known;
 mod modules;
 #[cfg(feature = "run")]

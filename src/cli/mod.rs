@@ -29,6 +29,7 @@ mod interrupt;
 #[cfg(feature = "run")]
 pub mod lanes;
 pub mod lint;
+pub mod lsp;
 #[cfg(feature = "run")]
 pub mod merge;
 #[cfg(feature = "run")]
@@ -177,6 +178,8 @@ pub enum Command {
     Init(init::InitArgs),
     /// Find and repair mistakes in shaders and in the code that feeds them
     Lint(lint::LintArgs),
+    /// Serve an editor: findings while typing, repairs, navigation, over standard input and output
+    Lsp(lsp::LspArgs),
     /// Show the page of a lint rule
     Explain(explain::ExplainArgs),
     /// Translate a shader to another language
@@ -249,7 +252,8 @@ pub fn run(cli: &Cli) -> ExitStatus {
     let stdout = std::io::stdout();
     let stderr = std::io::stderr();
     let color = cli.color.decide(stdout.is_terminal(), |name| std::env::var(name).ok());
-    let mut out = std::io::BufWriter::new(WhileRead::new(stdout.lock()));
+    // Not locked: the language server writes from a thread of its own.
+    let mut out = std::io::BufWriter::new(WhileRead::new(stdout));
     let mut err = WhileRead::new(&stderr);
     #[cfg(all(unix, feature = "run"))]
     let handled = if cli.command.ends_early() { interrupt::listen() } else { interrupt::clean_up() };
@@ -272,6 +276,7 @@ pub fn run(cli: &Cli) -> ExitStatus {
         #[cfg(feature = "run")]
         Command::Init(args) => init::run(args, &mut out, &mut err),
         Command::Lint(args) => lint::run(args, &mut out, &mut err, color),
+        Command::Lsp(args) => lsp::run(args, &mut err),
         Command::Explain(args) => explain::run(args, &mut out, &mut err, color),
         #[cfg(feature = "run")]
         Command::Translate(args) => translate::run(args, &mut out, &mut err),

@@ -33,6 +33,7 @@ mod lists;
 mod lowering;
 mod lowering_vertex;
 mod machine;
+mod lsp;
 mod modules;
 mod mutate;
 mod own;

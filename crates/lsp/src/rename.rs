@@ -39,7 +39,7 @@ impl fmt::Display for RenameError {
             Self::Nothing => f.write_str("there is no name here that can be changed"),
             Self::BuiltIn(name) => write!(f, "`{name}` is a name of the language"),
             Self::NotAName(name) => write!(f, "`{name}` is no name: use letters, digits and `_`, a letter first"),
-            Self::Keyword(name, language) => write!(f, "`{name}` is a keyword of {language}"),
+            Self::Keyword(name, language) => write!(f, "`{name}` is a keyword or a function of {language}"),
             Self::Reserved(name) => {
                 write!(f, "`{name}` is reserved: names begin with `gl_` or have `__` in the language alone")
             }

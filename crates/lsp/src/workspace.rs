@@ -1,6 +1,6 @@
 //! The texts of a workspace at one moment, and what is known across them.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::{Arc, OnceLock};
 
 use base::text::{SourceFile, Span};
@@ -86,6 +86,27 @@ impl Workspace {
     pub(crate) fn own_units(&self, name: &str) -> Vec<Arc<Unit>> {
         let Some(index) = self.by_name.get(name) else { return Vec::new() };
         self.cache.units(&self.inputs[*index], &mut |wanted| self.included(wanted)).to_vec()
+    }
+
+    /// For each file, those with which it makes a program or a text: what is found in them may change with it.
+    pub fn related(&self) -> HashMap<String, BTreeSet<String>> {
+        let units: HashMap<&str, &Arc<Unit>> = self.units().iter().map(|u| (u.name.as_str(), u)).collect();
+        let files = |names: &[String]| -> BTreeSet<String> {
+            names.iter().filter_map(|n| units.get(n.as_str())).flat_map(|u| u.files.iter().cloned()).collect()
+        };
+        let programs = self.linked().programs.iter().map(|p| files(p));
+        let hosts = self.linked().names.iter().map(|n| {
+            let mut all = files(&n.shaders);
+            all.insert(n.file.name().to_owned());
+            all
+        });
+        let mut related: HashMap<String, BTreeSet<String>> = HashMap::new();
+        for set in programs.chain(hosts).chain(units.values().map(|u| u.files.clone())).filter(|set| set.len() > 1) {
+            for file in &set {
+                related.entry(file.clone()).or_default().extend(set.iter().cloned());
+            }
+        }
+        related
     }
 
     /// The same workspace with other texts.

@@ -10,7 +10,7 @@ use ignore::{WalkBuilder, WalkState};
 use rayon::prelude::*;
 use thiserror::Error;
 
-use base::text::{Decoded, Form, Shown, SourceFile, TextError, decode_western};
+use base::text::{Decoded, Encoding, Form, Shown, SourceFile, TextError, decode_western};
 use disk::{MOST_BYTES, read_source};
 use lint::fix::FixedFile;
 use lint::{
@@ -142,6 +142,31 @@ impl Loaded {
         self.sources.get(name).map(|s| s.path.as_path())
     }
 
+    /// Puts a text in the place of a file's, or beside the others where the file is not among them.
+    pub fn overlay(&mut self, path: &Path, text: &str) {
+        let file = SourceFile::new(name(path), text);
+        let known = self.inputs.iter_mut().find(|i| i.file.name() == file.name());
+        if !self.sources.contains_key(file.name()) {
+            self.names.insert(identity(path), file.name().to_owned());
+            let form = Form { encoding: Encoding::Utf8, mark: false };
+            self.sources.insert(file.name().to_owned(), Candidate { path: path.to_owned(), form, exact: true });
+        }
+        match known {
+            Some(input) => *input = input.with_file(file).with_reported(true),
+            None => {
+                let wgsl = language_of(file.name()) == Some(Language::Wgsl);
+                let input = Input::new(file).kept();
+                self.inputs.push(if wgsl { input.composed_by(modules::composer()) } else { input });
+            }
+        }
+    }
+
+    /// The encoding of a file where a text cannot be written back to it byte by byte as UTF-8.
+    pub fn other_encoding(&self, name: &str) -> Option<Encoding> {
+        let source = self.sources.get(name)?;
+        (source.form.encoding != Encoding::Utf8 || !source.exact).then_some(source.form.encoding)
+    }
+
     /// The name under which a file is among the inputs; it is read as context when it is not yet.
     /// The path itself when it cannot be read.
     pub fn name_of(&mut self, path: &Path) -> String {
@@ -193,6 +218,20 @@ pub fn load(paths: &[PathBuf], stage: Option<Stage>) -> anyhow::Result<Loaded> {
     );
     add_companions(&mut loaded);
     Ok(loaded)
+}
+
+/// Reads files that a search has found, as a folder's, with those that they refer to. What is read of them is kept; of
+/// texts that are among `before` it is that which was kept there.
+pub fn load_found(paths: Vec<PathBuf>, before: &[Input]) -> Loaded {
+    let mut loaded = Loaded::default();
+    take(paths.into_iter().map(|path| (path, false)).collect(), &mut loaded);
+    add_companions(&mut loaded);
+    let before: BTreeMap<&str, &Input> = before.iter().map(|i| (i.file.name(), i)).collect();
+    for input in &mut loaded.inputs {
+        let same = before.get(input.file.name()).filter(|b| b.file == input.file && b.reported == input.reported);
+        *input = same.map_or_else(|| input.clone().kept(), |b| (*b).clone());
+    }
+    loaded
 }
 
 /// Reads files into `loaded`, each once. An empty file found in a folder is passed over; one that was
@@ -329,7 +368,8 @@ fn search(folder: &Path, problems: &mut Vec<InputError>) -> Vec<PathBuf> {
     files
 }
 
-fn has_known_ending(path: &Path) -> bool {
+/// True for the endings of files that folders are searched for.
+pub fn has_known_ending(path: &Path) -> bool {
     has_ending(path, known_endings())
 }
 

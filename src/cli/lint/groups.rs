@@ -64,6 +64,11 @@ impl Groups {
         Ok(groups)
     }
 
+    /// No files.
+    pub fn none() -> Self {
+        Self { groups: Vec::new(), lang: None, missing: Vec::new() }
+    }
+
     fn group(
         &mut self,
         args: &LintArgs,
@@ -99,17 +104,28 @@ impl Groups {
 
     /// Lints all files.
     pub fn run(&self, inputs: &[Input]) -> Vec<Diagnostic> {
-        let mut found: Vec<Diagnostic> =
-            self.groups.iter().flat_map(|g| run_with(&self.inputs_of(g, inputs), &g.settings)).collect();
+        self.run_on(inputs, |_| true)
+    }
+
+    /// Lints the files of these names, with all others as context.
+    pub fn run_on(&self, inputs: &[Input], wanted: impl Fn(&str) -> bool) -> Vec<Diagnostic> {
+        let groups = self.groups.iter().filter(|g| g.names.iter().any(|n| wanted(n)));
+        let run = |g: &Group| run_with(&self.inputs_of(g, inputs, &wanted), &g.settings);
+        let mut found: Vec<Diagnostic> = groups.flat_map(run).collect();
         sort(&mut found);
         found
     }
 
     /// Repairs all files.
     pub fn fix(&self, inputs: &[Input], safety: Safety) -> Outcome {
+        self.fix_on(inputs, safety, |_| true)
+    }
+
+    /// Repairs the files of these names.
+    pub fn fix_on(&self, inputs: &[Input], safety: Safety, wanted: impl Fn(&str) -> bool) -> Outcome {
         let mut whole = Outcome { files: Vec::new(), applied: 0, refused: Vec::new(), remaining: Vec::new() };
-        for group in &self.groups {
-            let outcome = fix::fix(&self.inputs_of(group, inputs), &group.settings, safety);
+        for group in self.groups.iter().filter(|g| g.names.iter().any(|n| wanted(n))) {
+            let outcome = fix::fix(&self.inputs_of(group, inputs, &wanted), &group.settings, safety);
             whole.files.extend(outcome.files);
             whole.applied += outcome.applied;
             whole.refused.extend(outcome.refused);
@@ -127,14 +143,14 @@ impl Groups {
     }
 
     /// What the project says about itself, for a reported file.
-    #[cfg(feature = "run")]
     pub fn config(&self, name: &str) -> lint::Config {
         let group = self.groups.iter().find(|g| g.names.contains(name));
         group.map(|g| g.settings.config.clone()).unwrap_or_default()
     }
 
-    fn inputs_of(&self, group: &Group, inputs: &[Input]) -> Vec<Input> {
-        let own = |input: &Input| input.reported && group.names.contains(input.file.name());
+    fn inputs_of(&self, group: &Group, inputs: &[Input], wanted: &impl Fn(&str) -> bool) -> Vec<Input> {
+        let own =
+            |input: &Input| input.reported && group.names.contains(input.file.name()) && wanted(input.file.name());
         inputs.iter().map(|input| input.with_reported(own(input))).collect()
     }
 }

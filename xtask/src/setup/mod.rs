@@ -309,7 +309,7 @@ mod tests {
     fn what_tests_need_is_installed_and_what_cannot_be_is_reported_once_each() {
         let start = "env DEBIAN_FRONTEND=noninteractive apt-get";
         let mut host = debian().program("id -u", true, "0\n").program(start, true, "");
-        for program in ["spirv-val", "chromium", "node", "npm", "python3", "shellcheck", "g++"] {
+        for program in ["nvim", "spirv-val", "chromium", "node", "npm", "python3", "shellcheck", "g++"] {
             host.appear.push((start, format!("/usr/bin/{program}").leak(), ""));
         }
         host.appear.push((start, "/usr/lib/python3.11/ensurepip/__init__.py", ""));

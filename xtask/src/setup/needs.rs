@@ -61,7 +61,22 @@ pub const OPENGL: Need = Need {
 };
 
 /// What single tests need, with the names by which they are called missing.
-pub const FOR_TESTS: [(&str, Need); 7] = [
+pub const FOR_TESTS: [(&str, Need); 8] = [
+    (
+        "Neovim",
+        Need {
+            packages: &["neovim"],
+            elsewhere: [
+                ("dnf", "sudo dnf install neovim"),
+                ("pacman", "sudo pacman -S neovim"),
+                ("apk", "sudo apk add neovim"),
+            ],
+            what: "Neovim",
+            without: "the language server is not tested with an editor",
+            ready: "Neovim is ready",
+            there: |host| on_path(host, "nvim").is_some(),
+        },
+    ),
     (
         "spirv-val",
         Need {
