@@ -14,8 +14,6 @@ mod rename;
 mod selection;
 mod signature;
 mod symbols;
-#[cfg(test)]
-mod tests;
 mod tokens;
 mod unit;
 mod walk;

@@ -61,15 +61,15 @@ pub(super) fn answer(method: &str, params: Value, context: &Context) -> Answer {
         }
         "textDocument/prepareRename" => {
             let (name, _, at) = context.place(params)?;
-            let place = workspace.renamed_at(&name, at).map_err(failed)?;
+            let place = workspace.renamed_at(&name, at).map_err(|why| context.failed(&why))?;
             let range = context.options.encoding.range(&place.file, place.span);
             Ok(json!({ "range": range, "placeholder": place.file.slice(place.span) }))
         }
         "textDocument/rename" => {
             let new = params["newName"].as_str().unwrap_or("").to_owned();
             let (name, _, at) = context.place(params)?;
-            let edits = workspace.rename(&name, at, &new).map_err(failed)?;
-            written(workspace_edit(&edits, context).map_err(failed)?)
+            let edits = workspace.rename(&name, at, &new).map_err(|why| context.failed(&why))?;
+            written(workspace_edit(&edits, context).map_err(|why| context.failed(&why))?)
         }
         "textDocument/completion" => {
             let (name, _, at) = context.place(params)?;
@@ -129,10 +129,6 @@ pub(super) fn answer(method: &str, params: Value, context: &Context) -> Answer {
 /// An error of the protocol.
 pub(super) fn error(code: ErrorCode, message: String) -> ResponseError {
     ResponseError { code: code as i32, message, data: None }
-}
-
-fn failed(why: lsp::RenameError) -> ResponseError {
-    error(ErrorCode::RequestFailed, why.to_string())
 }
 
 fn read<T: DeserializeOwned>(params: Value) -> Result<T, ResponseError> {
@@ -202,7 +198,20 @@ impl Context {
     /// A finding as the client knows it.
     pub fn shown(&self, found: &Diagnostic) -> ls_types::Diagnostic {
         let options = &self.options;
-        lsp::diagnostic(found, options.lang(), options.encoding, &|name| self.uri(name), options.rule_pages.as_deref())
+        let pages = options.rule_pages.as_deref();
+        let mut shown = lsp::diagnostic(found, options.lang(), options.encoding, &|name| self.uri(name), pages);
+        shown.message = self.shortened(shown.message);
+        shown
+    }
+
+    /// A message with paths from the folders of the workspace.
+    fn shortened(&self, message: String) -> String {
+        let prefix = |root: &PathBuf| format!("{}/", name_of(root).trim_end_matches('/'));
+        self.roots.iter().map(prefix).filter(|p| p.len() > 1).fold(message, |text, prefix| text.replace(&prefix, ""))
+    }
+
+    fn failed(&self, why: &lsp::RenameError) -> ResponseError {
+        error(ErrorCode::RequestFailed, self.shortened(why.to_string()))
     }
 
     fn code_actions(&self, params: CodeActionParams) -> Answer {
