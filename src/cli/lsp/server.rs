@@ -25,7 +25,7 @@ use crate::cli::lint::config::FILE_NAME;
 use crate::cli::lint::files::has_known_ending;
 
 /// How long nothing is typed before all files are linted again.
-const PAUSE: Duration = Duration::from_millis(300);
+const PAUSE: Duration = Duration::from_millis(500);
 
 /// Files that were linted.
 pub(super) struct Checked {
@@ -448,7 +448,11 @@ impl Server {
     /// Shows what was found, as far as nothing newer is shown.
     fn checked(&mut self, Checked { revision, only, found, related }: Checked) {
         match only {
-            Some(_) => self.checking = false,
+            // All files would take the time that the next key needs.
+            Some(_) => {
+                self.checking = false;
+                self.check_all_at = self.check_all_at.map(|_| Instant::now() + PAUSE);
+            }
             None => self.checking_all = false,
         }
         if let Some(related) = related {
