@@ -106,7 +106,8 @@ pub fn read_compiled(
     asked: &Asked,
 ) -> Result<(ModuleText, Compiler), ProgramError> {
     let written = Written::of(file);
-    let unable = |why: String| ProgramError::Unsupported { what: format!("{}: {why}", file.name()) };
+    // Whoever asks names the file.
+    let unable = |what: String| ProgramError::Unsupported { what };
     let compiler = compiler(written, asked.compiler.as_deref()).map_err(unable)?;
     let beside = Path::new(file.name()).parent().map(Path::to_owned);
     let beside = beside.map(|folder| if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder });
@@ -264,7 +265,7 @@ impl Work<'_> {
             }
         }
         Err(first_error.unwrap_or_else(|| ProgramError::Unsupported {
-            what: format!("{}: {} keeps none of its functions", self.file.name(), self.compiler.name()),
+            what: format!("{} keeps none of its functions", self.compiler.name()),
         }))
     }
 
@@ -291,7 +292,7 @@ impl Work<'_> {
     fn told<T>(&self, result: Result<T, CompileError>) -> Result<T, ProgramError> {
         result.map_err(|error| match error {
             CompileError::Refused(messages) => self.refused(&messages),
-            CompileError::Failed(why) => ProgramError::Unsupported { what: format!("{}: {why}", self.file.name()) },
+            CompileError::Failed(what) => ProgramError::Unsupported { what },
         })
     }
 

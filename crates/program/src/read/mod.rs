@@ -20,6 +20,7 @@ mod ranges;
 mod rows;
 mod spirv;
 mod stops;
+mod switches;
 mod values;
 mod wgsl;
 

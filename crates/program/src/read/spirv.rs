@@ -7,8 +7,9 @@ use std::fmt::Write;
 
 use naga::{Arena, Block, Function, Module};
 
+use super::switches;
 use crate::capabilities::known_to_reader;
-use crate::front::{NAGA, validate_text};
+use crate::front::{NAGA, UNSUPPORTED, validate_text};
 use crate::{ProgramError, contain};
 use base::diagnostic::{Diagnostic, Severity};
 use base::text::{SourceFile, Span, printable};
@@ -151,9 +152,17 @@ fn wrong(file: &SourceFile, span: Span, message: String) -> ProgramError {
 
 /// Reads and validates a module whose instructions have these places.
 pub(super) fn read(file: &SourceFile, words: &[u32], lines: &[Span]) -> Result<Module, ProgramError> {
-    let all = instructions(words).map_err(|why| wrong(file, Span::at(0), why))?;
+    instructions(words).map_err(|why| wrong(file, Span::at(0), why))?;
+    let (words, lines) = switches::taken_away(words, lines).map_err(|k| {
+        let what = "this switch leaves a loop, which naga's reader of SPIR-V takes for the end of the switch; a loop \
+                    without `continue` is read";
+        let span = lines.get(k).copied().unwrap_or_default();
+        let found = Diagnostic::new(UNSUPPORTED, Severity::Error, file, span, what.to_owned());
+        ProgramError::Source(vec![found.at_origin()])
+    })?;
+    let all = instructions(&words).map_err(|why| wrong(file, Span::at(0), why))?;
     let options = naga::front::spv::Options { adjust_coordinate_space: false, ..Default::default() };
-    let parsed = contain(|| naga::front::spv::Frontend::new(known_to_reader(words).into_iter(), &options).parse());
+    let parsed = contain(|| naga::front::spv::Frontend::new(known_to_reader(&words).into_iter(), &options).parse());
     let unread = |why: String| {
         // The reader names an instruction, and not where it stands.
         let named = all.iter().position(|(_, words)| why.contains(&name_of(words[0])["Op".len()..]));

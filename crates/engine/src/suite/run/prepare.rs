@@ -290,6 +290,7 @@ fn of_joined(suite: &Suite, shader: &SourceFile, function: Option<&str>) -> Resu
         defines: suite.chosen.clone(),
         preludes: suite.with_texts.clone(),
         assign_bindings: suite.assign_bindings,
+        ..Options::default()
     };
     let asked = Asked { entry: function.map(str::to_owned), stage: suite.stage.of_text(), ..Asked::default() };
     let joined = Joined::of(shader, &suite.includes.folders, &options, &asked)
