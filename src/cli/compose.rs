@@ -68,6 +68,7 @@ impl Given<'_> {
             defines: self.defines.to_vec(),
             preludes: stated.with.iter().map(|path| read(path)).collect::<anyhow::Result<_>>()?,
             assign_bindings: stated.assign_bindings,
+            ..Options::default()
         };
         let asked = Asked { entry: self.entry.map(str::to_owned), stage: self.stage, compiler: stated.compiler };
         Joined::of(file, self.folders, &options, &asked).with_context(|| file.name().to_owned())

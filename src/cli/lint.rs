@@ -89,6 +89,9 @@ pub struct LintArgs {
     /// What a host puts around each shader; without it, texts of known hosts are recognised
     #[arg(long, value_name = "NAME", value_parser = super::preludes())]
     pub prelude: Option<String>,
+    /// Folders that are searched for files that a text in WGSL imports
+    #[arg(short = 'I', long = "include", value_name = "FOLDER")]
+    pub include: Vec<PathBuf>,
     /// Exit status 0 also when there are findings
     #[arg(long)]
     pub exit_zero: bool,
@@ -142,7 +145,7 @@ pub fn run(args: &LintArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     if args.prove && cfg!(not(feature = "run")) {
         anyhow::bail!("--prove runs shaders, which this program was built without; build it with the feature `run`");
     }
-    let mut loaded = files::load(&args.paths, args.stage.map(Stage::from))?;
+    let mut loaded = files::load(&args.paths, args.stage.map(Stage::from), &args.include)?;
     let groups = Groups::new(args, &mut loaded)?;
     let lang = super::lang(args.lang.or(groups.lang));
     for problem in &loaded.problems {

@@ -19,6 +19,7 @@ mod link;
 mod module;
 mod naming;
 mod predeclared;
+mod stand_in;
 mod template;
 mod token;
 
@@ -58,6 +59,9 @@ pub struct Options {
     pub preludes: Vec<SourceFile>,
     /// Gives resources a group and a binding where none of them has one, as hosts do that assign them.
     pub assign_bindings: bool,
+    /// Lets names stand in for placeholders without a value, and reads the first branch of each condition of a template:
+    /// for readers that look for faults in a text that nobody runs.
+    pub stand_ins: bool,
 }
 
 /// A text from several files.

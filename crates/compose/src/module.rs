@@ -52,7 +52,7 @@ impl Module {
         library: &mut dyn Library,
         problems: &mut Problems,
     ) -> Self {
-        let file = template::fill(author, defines, problems);
+        let file = template::fill(author, defines, options.stand_ins, problems);
         let (file, directives) = without_directives(&file, defines, options, library, problems);
         let condition::Conditional { file, mut left_out } = condition::decide(&file, defines, problems);
         let mut found = Vec::new();

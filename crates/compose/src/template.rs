@@ -5,11 +5,18 @@ use base::text::{Assembly, SourceFile, Span};
 use syntax::errors;
 
 use crate::Problems;
+use crate::stand_in::{self, Role, StandIns};
 
-/// Puts values into a text. A text without placeholders stays as it is.
-pub(crate) fn fill(file: &SourceFile, defines: &[(String, String)], problems: &mut Problems) -> SourceFile {
+/// Puts values into a text. A text without placeholders stays as it is. Where something may stand in for what has no
+/// value, nothing is missing.
+pub(crate) fn fill(
+    file: &SourceFile,
+    defines: &[(String, String)],
+    stand_ins: bool,
+    problems: &mut Problems,
+) -> SourceFile {
     let text = file.text();
-    let found = marks(text);
+    let found = marks(text, stand_ins);
     if found.is_empty() {
         return file.clone();
     }
@@ -19,14 +26,33 @@ pub(crate) fn fill(file: &SourceFile, defines: &[(String, String)], problems: &m
     let mut at = 0;
     // For each condition that is open: its place, whether its text stays, and whether one of its branches has stayed.
     let mut open: Vec<(Span, bool, bool)> = Vec::new();
+    let mut names = StandIns::default();
     for Mark { span, what } in found {
         let kept = open.iter().all(|(_, kept, _)| *kept);
         if kept {
-            out.copy(file, Span::new(at, span.start));
+            out.copy(file, Span::new(at, span.start.max(at)));
         }
-        at = span.end;
+        at = span.end.max(at);
         match what {
             What::Comment => {}
+            What::Value(name) if stand_ins && value(&name).is_none() => {
+                if kept && !in_line_comment(text, span.start) {
+                    at = names.put(file, span, &mut out);
+                }
+            }
+            What::If(..) | What::Elif(..) | What::Else | What::End | What::Other if stand_ins => {
+                match stand_in::role(file.slice(span)) {
+                    Role::Open => open.push((span, true, true)),
+                    Role::Branch => {
+                        if let Some((_, kept, _)) = open.last_mut() {
+                            *kept = false;
+                        }
+                    }
+                    Role::Close => drop(open.pop()),
+                    Role::Text if kept && !in_line_comment(text, span.start) => at = names.put(file, span, &mut out),
+                    Role::Text | Role::Nothing => {}
+                }
+            }
             What::If(name, negated) => {
                 let holds = holds(&name) != negated;
                 open.push((span, holds, holds));
@@ -69,10 +95,11 @@ pub(crate) fn fill(file: &SourceFile, defines: &[(String, String)], problems: &m
             }
         }
     }
-    if let Some((span, ..)) = open.first() {
+    if let Some((span, ..)) = open.first().filter(|_| !stand_ins) {
         problems.add(errors::TEMPLATE, file, *span, "this condition is never ended", OPEN);
     }
     out.copy(file, Span::new(at, text.len()));
+    names.declare(file, &mut out);
     out.finish(file.name())
 }
 
@@ -94,8 +121,8 @@ enum What {
     Other,
 }
 
-/// Pairs of braces of the engines, with what stands between them on one line.
-fn marks(text: &str) -> Vec<Mark> {
+/// Pairs of braces of the engines, with what stands between them on one line; of any expressions, if that is asked.
+fn marks(text: &str, expressions: bool) -> Vec<Mark> {
     let mut found = Vec::new();
     let mut at = 0;
     while let Some(start) = text[at..].find('{').map(|offset| at + offset) {
@@ -113,7 +140,9 @@ fn marks(text: &str) -> Vec<Mark> {
             continue;
         }
         let end = inside + len + close.len();
-        let Some(what) = meaning(open, &text[inside..inside + len]) else { continue };
+        let part = &text[inside..inside + len];
+        let expression = || (expressions && open == "{{" && !part.trim().is_empty()).then_some(What::Other);
+        let Some(what) = meaning(open, part).or_else(expression) else { continue };
         found.push(Mark { span: Span::new(start, end), what });
         at = end;
     }
@@ -163,7 +192,7 @@ mod tests {
     fn filled(text: &str, defines: &[(&str, &str)]) -> (String, Vec<String>) {
         let defines: Vec<_> = defines.iter().map(|&(n, v)| (n.to_owned(), v.to_owned())).collect();
         let mut problems = Problems::default();
-        let out = fill(&SourceFile::new("a.wgsl", text), &defines, &mut problems);
+        let out = fill(&SourceFile::new("a.wgsl", text), &defines, false, &mut problems);
         let shown = |d: &base::diagnostic::Diagnostic| format!("{} {}", d.file.locate(d.span.start), d.message);
         (out.text().to_owned(), problems.found.iter().map(shown).collect())
     }
@@ -190,6 +219,24 @@ mod tests {
         assert_eq!(told("{% for i in xs %}"), ["a.wgsl:1:1 `{% for i in xs %}` needs the template engine of its host"]);
         assert_eq!(told("{% if a %}"), ["a.wgsl:1:1 this condition is never ended"]);
         assert_eq!(told("// {{X}}"), Vec::<String>::new());
+    }
+
+    #[test]
+    fn names_stand_in_for_what_is_not_known() {
+        let standing = |text: &str| {
+            let mut problems = Problems::default();
+            let out = fill(&SourceFile::new("a.wgsl", text), &[], true, &mut problems);
+            assert!(problems.found.is_empty());
+            out.text().to_owned()
+        };
+        assert_eq!(
+            standing("if (i < {{ n[0] / 4 }}u && j < {{ n[0] / 4 }}u) { x = {{ a }}; }"),
+            "if (i < stand_in_0 && j < stand_in_0) { x = stand_in_1; }\noverride stand_in_0: u32;"
+        );
+        assert_eq!(standing("struct S {\n  a: f32,\n  {{PADDING}}\n}"), "struct S {\n  a: f32,\n  \n}");
+        assert_eq!(standing("{% if n % 4 == 0 %}A{% else %}B{% endif %}C"), "AC");
+        assert_eq!(standing("{%- include \"a\" -%}\n// {{X}}\n{{#each xs}}D{{/each}}"), "\n// \nD");
+        assert_eq!(standing("{% for i in xs %}{{ i }}{% endfor"), "stand_in_0{% endfor");
     }
 
     #[test]

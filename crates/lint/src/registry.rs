@@ -117,6 +117,9 @@ pub const RULES: &[&Rule] = &[
     &glsl::extreme_from_zero::RULE,
     &glsl::mediump_epsilon::RULE,
     &glsl::mediump_digits::RULE,
+    &glsl::epsilon_without_effect::RULE,
+    &glsl::factor_of_one_term::RULE,
+    &glsl::index_rounded_to_size::RULE,
     // P. Cost.
     &glsl::inverse_in_shader::RULE,
     &glsl::matrix_chain_order::RULE,
@@ -143,6 +146,8 @@ pub const RULES: &[&Rule] = &[
     &glsl::image_format::RULE,
     &glsl::identical_operands::RULE,
     &glsl::condition_never_varies::RULE,
+    &glsl::argument_twice::RULE,
+    &glsl::one_channel_of_colour::RULE,
     // V. Versions, profiles and extensions of the language.
     &glsl::missing_or_late_version::RULE,
     &glsl::feature_needs_version::RULE,
@@ -167,6 +172,9 @@ pub const RULES: &[&Rule] = &[
     &wgsl::vertex_attribute_differs::RULE,
     &wgsl::binding_layout_differs::RULE,
     &wgsl::dispatch_counts_items::RULE,
+    &wgsl::buffer_size_differs::RULE,
+    &wgsl::members_differ::RULE,
+    &wgsl::resource_of_another_pass::RULE,
     // X. Comments that silence rules.
     &suppress::unused_suppression::RULE,
     &suppress::bad_suppression::RULE,

@@ -102,6 +102,8 @@ pub struct Loaded {
     pub inputs: Vec<Input>,
     /// The stage of shader files that are named, where it is stated.
     stage: Option<Stage>,
+    /// Folders in which imported files are looked for.
+    folders: Vec<PathBuf>,
     /// What could not be read.
     pub problems: Vec<InputError>,
     /// Files of host code in a folder that are no text, and bundles.
@@ -189,8 +191,8 @@ impl Loaded {
 ///
 /// # Errors
 /// When a stage is given and no such file is named.
-pub fn load(paths: &[PathBuf], stage: Option<Stage>) -> anyhow::Result<Loaded> {
-    let mut loaded = Loaded { stage, ..Loaded::default() };
+pub fn load(paths: &[PathBuf], stage: Option<Stage>, folders: &[PathBuf]) -> anyhow::Result<Loaded> {
+    let mut loaded = Loaded { stage, folders: folders.to_vec(), ..Loaded::default() };
     let mut wanted: Vec<(PathBuf, bool)> = Vec::new();
     // Folders that hold nothing, or documents alone, in which nothing may be code.
     let mut searched: Vec<PathBuf> = Vec::new();
@@ -245,7 +247,7 @@ fn take(wanted: Vec<(PathBuf, bool)>, loaded: &mut Loaded) {
             fresh.push((path, named));
         }
     }
-    let composer = modules::composer();
+    let composer = modules::composer(&loaded.folders);
     let texts: Vec<_> = fresh.par_iter().map(|(path, _)| read(path)).collect();
     for ((path, named), text) in fresh.into_iter().zip(texts) {
         let language = language_of(&name(&path));

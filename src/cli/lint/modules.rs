@@ -1,5 +1,6 @@
 //! Texts in WGSL with what they import, and what a reader of the language says of them.
 
+use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 use base::diagnostic::Diagnostic;
@@ -9,9 +10,10 @@ use disk::Modules;
 use lint::{Composed, Composer, Level};
 use syntax::errors::EARLY_DRAFT;
 
-/// What joins texts in WGSL with the files that they import. Where one is missing, they are linted as they are.
-pub fn composer() -> Composer {
-    let modules = Mutex::new(Modules::new(Vec::new()));
+/// What joins texts in WGSL with the files that they import, which are looked for in these folders as well. Where one is
+/// missing, they are linted as they are.
+pub fn composer(folders: &[PathBuf]) -> Composer {
+    let modules = Mutex::new(Modules::new(folders.to_vec()));
     Composer::new(move |file| {
         // With all features on, most of a text is seen. Where they exclude each other, it is read as without any.
         let on: Vec<(String, String)> = features(file).into_iter().map(|name| (name, String::new())).collect();
@@ -23,6 +25,9 @@ pub fn composer() -> Composer {
         };
         let draft = |note: Diagnostic| (Level::Default, note);
         let Some((joined, notes)) = sets.into_iter().find_map(whole) else {
+            if let Some(composed) = with_stand_ins(&modules, file) {
+                return Some(composed);
+            }
             // What a text lacks does not keep it from being read as the language that it is in.
             let (current, note) = from_draft(file)?;
             return Some(Composed { file: current, refused: vec![draft(note)] });
@@ -32,6 +37,18 @@ pub fn composer() -> Composer {
         refused.extend(own.map(draft));
         Some(Composed { file: joined, refused })
     })
+}
+
+/// A template with names in the place of what its engine fills in. Nothing but its own faults can be found in it: no
+/// compiler reads it.
+fn with_stand_ins(modules: &Mutex<Modules>, file: &SourceFile) -> Option<Composed> {
+    if !["{{", "{%"].iter().any(|mark| file.text().contains(mark)) {
+        return None;
+    }
+    let options = Options { stand_ins: true, ..Options::default() };
+    let composed = modules.lock().unwrap_or_else(PoisonError::into_inner).compose(file, &options).ok()?;
+    let own = composed.notes.into_iter().filter(|note| note.code == EARLY_DRAFT && note.file.name() == file.name());
+    Some(Composed { file: composed.file, refused: own.map(|note| (Level::Default, note)).collect() })
 }
 
 /// Why naga refuses a text. It stops at the first error. What its parser does not take may be newer than this parser.

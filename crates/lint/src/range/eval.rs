@@ -15,7 +15,7 @@ use super::start::{beginning, hash, path, swizzle, unknown_of, within};
 use super::state::State;
 use super::transfer as t;
 use super::value::{Evidence, Range, Sources, Value};
-use super::{MOST_VISITS, Visit, key};
+use super::{MOST_VISITS, Visit, bits, key};
 
 /// Expressions that are looked at before the analysis gives up on the rest of a shader.
 const MOST_STEPS: usize = 400_000;
@@ -383,6 +383,10 @@ impl<'s> Machine<'s> {
         match (shader.callee(id), callee) {
             (Some(CallTarget::Constructor(to)), _) => self.construct(to, args, &values),
             (Some(CallTarget::User(function)), _) => self.user(id, *function, args, values),
+            (target, Callee::Name(name)) if bits::takes_bits(&name.name, target) => {
+                let sources = values.iter().fold(Sources::NONE, |all, v| all.and(v.sources()));
+                bits::taken(shader, ty, args, sources)
+            }
             (Some(CallTarget::Builtin(built_in)), Callee::Name(name)) => {
                 let sources = values.iter().fold(Sources::NONE, |all, v| all.and(v.sources()));
                 for (arg, _) in args.iter().zip(&built_in.directions).filter(|(_, way)| **way != Direction::In) {

@@ -6,6 +6,7 @@
 //! ends are met is another question, and told apart by [`Evidence`]: rules speak of a hazard where the
 //! text shows it, and not where nothing is known.
 
+mod bits;
 mod builtin;
 mod eval;
 mod exec;

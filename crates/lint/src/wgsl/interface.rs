@@ -3,16 +3,16 @@
 use std::collections::BTreeSet;
 
 use base::text::Span;
-use syntax::Shader;
 use syntax::ast::{ExprId, Ident};
 use syntax::symbols::{CallTarget, FunctionId, SymbolId};
 use syntax::types::{ScalarType, Type};
 use syntax::wgsl::{EntryPoint, Module, VariableSyntax};
+use syntax::{Shader, Stage};
 
 use super::inputs;
 use crate::host::HostFile;
 use crate::project::{Project, ShaderFile, folder, normalise};
-use crate::script::webgpu::{Source, StageUse, Start};
+use crate::script::webgpu::{Pipeline, Source, StageUse, Start};
 
 /// The module that a host means, where all of it is seen.
 pub(super) fn module_of<'p>(
@@ -114,6 +114,26 @@ pub(super) fn resources<'m>(shader: &Shader, module: &'m Module, entry: &EntryPo
         let group = Module::attribute(&variable.attributes, "group")?;
         let (group, binding) = (argument(shader, *group.args.first()?)?, argument(shader, *binding.args.first()?)?);
         found.push(Resource { variable, symbol, group, binding });
+    }
+    Some(found)
+}
+
+/// A resource that a stage of a pipeline uses.
+pub(super) struct Used<'p> {
+    pub stage: Stage,
+    pub file: &'p ShaderFile,
+    pub module: &'p Module,
+    pub resource: Resource<'p>,
+}
+
+/// What all stages of a pipeline use; none where one of them is not seen.
+pub(super) fn used<'p>(project: &'p Project, host: &HostFile, pipeline: &Pipeline) -> Option<Vec<Used<'p>>> {
+    let mut found = Vec::new();
+    for stage in &pipeline.stages {
+        let (file, module) = module_of(project, host, &stage.source)?;
+        let entry = started(module, stage)?;
+        let all = resources(&file.shader, module, entry)?;
+        found.extend(all.into_iter().map(|resource| Used { stage: stage.stage, file, module, resource }));
     }
     Some(found)
 }

@@ -6,11 +6,14 @@ mod uniformity;
 // Rules: each in a folder with its name, with its pages.
 pub(super) mod atomic_in_read_only_storage;
 pub(super) mod binding_layout_differs;
+pub(super) mod buffer_size_differs;
 pub(super) mod dispatch_counts_items;
+pub(super) mod members_differ;
 pub(super) mod non_uniform_control_flow;
 pub(super) mod override_without_value;
 pub(super) mod pixel_centre_rounded;
 pub(super) mod private_variable_never_set;
+pub(super) mod resource_of_another_pass;
 pub(super) mod structure_laid_out_differently;
 pub(super) mod unknown_entry_point;
 pub(super) mod unused_binding;

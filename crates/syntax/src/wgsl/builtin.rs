@@ -144,9 +144,37 @@ pub const OWN: &[&str] = &[
     "workgroupUniformLoad",
 ];
 
+/// Functions of subgroups and quads (WGSL, sections 17.12 and 17.13), without the word in front.
+const OF_SUBGROUPS: &[&str] = &[
+    "Add",
+    "All",
+    "And",
+    "Any",
+    "Ballot",
+    "Barrier",
+    "Broadcast",
+    "BroadcastFirst",
+    "Elect",
+    "ExclusiveAdd",
+    "ExclusiveMul",
+    "InclusiveAdd",
+    "InclusiveMul",
+    "Max",
+    "Min",
+    "Mul",
+    "Or",
+    "Shuffle",
+    "ShuffleDown",
+    "ShuffleUp",
+    "ShuffleXor",
+    "Xor",
+];
+const OF_QUADS: &[&str] = &["Broadcast", "SwapDiagonal", "SwapX", "SwapY"];
+
 /// True for a built-in function of any kind.
 pub fn is_builtin(name: &str) -> bool {
-    OWN.contains(&name) || of_glsl(name).is_some() || name.starts_with("subgroup") || name.starts_with("quad")
+    let among = |word: &str, names: &[&str]| name.strip_prefix(word).is_some_and(|rest| names.contains(&rest));
+    OWN.contains(&name) || of_glsl(name).is_some() || among("subgroup", OF_SUBGROUPS) || among("quad", OF_QUADS)
 }
 
 /// Which way the arguments carry their values.

@@ -124,7 +124,9 @@ pub(super) fn read(text: &str) -> Pieces {
         if !directive
             && is_template(&text[last.range()], &text[span.range()], last.end == span.start, &text[span.start..])
         {
-            (pieces.composed, pieces.varies, pieces.filled) = (true, true, true);
+            (pieces.composed, pieces.varies) = (true, true);
+            // What naga_oil fills in is a number, and uses no variable.
+            pieces.filled |= !text[span.range()].starts_with("#{");
         }
         let last = &text[last.range()];
         match &text[span.range()] {

@@ -111,6 +111,8 @@ pub fn tokens(text: &str) -> Vec<Token> {
 pub(super) fn read(file: &SourceFile) -> super::Parsed {
     let mut sink = Sink::new(file);
     let pieces = lexer::read(file.text());
+    // A literal beside a name that is filled in may be a part of one.
+    let filled = pieces.filled || file.text().contains("#{");
     let mut tokens = pieces.active.as_slice();
     if let Some(beyond) = tokens.get(MOST_PIECES) {
         let text = message!(
@@ -120,7 +122,7 @@ pub(super) fn read(file: &SourceFile) -> super::Parsed {
         sink.error(errors::TOO_DEEP, beyond.span, text, message!("read up to here", "ここまで読みました"));
         tokens = &tokens[..MOST_PIECES];
     }
-    let parsed = parser::Parser::new(file.text(), tokens, (pieces.composed, pieces.filled), &mut sink).run();
+    let parsed = parser::Parser::new(file.text(), tokens, (pieces.composed, filled), &mut sink).run();
     let parser::Parsed { unit, mut arena, items, locals, constructed, addresses, suffixed } = parsed;
     let mut checker = check::Checker::new(&items, &locals, &constructed, &addresses, &mut arena);
     checker.suffixed = suffixed;

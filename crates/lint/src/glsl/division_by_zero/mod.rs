@@ -25,7 +25,10 @@ fn level(divisor: &Range) -> Option<Level> {
         return Some(Level::Default);
     }
     let through = divisor.goes_below(0.0, Evidence::Nature) && divisor.goes_above(0.0, Evidence::Nature);
-    (through && !divisor.excludes_zero()).then_some(Level::Strict)
+    // `1 + cos(a)`: the end that the function reaches.
+    let met = |end: f64, by: Evidence| end == 0.0 && by >= Evidence::Nature;
+    let touches = divisor.is_finite() && (met(divisor.lo, divisor.lo_by) || met(divisor.hi, divisor.hi_by));
+    ((through || touches) && !divisor.excludes_zero()).then_some(Level::Strict)
 }
 
 /// True for the distance of two points, or a product with one: 0 where they meet.
@@ -43,7 +46,7 @@ fn is_texel(shader: &Shader, forms: &Forms<'_>, divisor: ExprId) -> bool {
 }
 
 /// All divisions: the expression and its divisor.
-fn divisions(shader: &Shader) -> impl Iterator<Item = (ExprId, ExprId)> {
+pub(super) fn divisions(shader: &Shader) -> impl Iterator<Item = (ExprId, ExprId)> {
     let operators = shader.arena().iter().filter_map(|(id, expr)| match expr.kind {
         ExprKind::Binary { op: BinaryOp::Div | BinaryOp::Rem, op_span: _, left: _, right } => Some((id, right)),
         ExprKind::Assign { op: Some(BinaryOp::Div | BinaryOp::Rem), op_span: _, target: _, value } => Some((id, value)),
@@ -116,6 +119,7 @@ mod tests {
                 "for (int i = 0; i < 4; ++i) r += float(7 % i);",
             ],
         );
+        rings("N009", Level::Strict, &["r = 1.0 / (1.0 + cos(s));", "r = s / (sin(t) - 1.0);"]);
         rings("N009", Level::Strict, &["r = cos(s) / sin(t);", "r = 1.0 / dot(normalize(p), normalize(q));"]);
         rings(
             "N009",

@@ -70,6 +70,14 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
 mod tests {
     use crate::glsl::testing::strict_count;
 
+    #[test]
+    fn names_of_wgsl_are_whole() {
+        let of = |name: &str| {
+            crate::wgsl::testing::count("V005", &format!("fn f() -> f32 {{ let {name} = 1.0; return {name}; }}"))
+        };
+        assert_eq!((of("quadSwapX"), of("subgroupAdd"), of("quad_vertices"), of("subgroup_count")), (1, 1, 0, 0));
+    }
+
     /// Findings of this rule at the strict level.
     fn count(name: &str, text: &str) -> usize {
         strict_count(super::RULE.code, name, text)

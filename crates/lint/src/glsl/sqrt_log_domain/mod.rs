@@ -99,6 +99,18 @@ mod tests {
     }
 
     #[test]
+    fn random_numbers_from_bits_can_be_0() {
+        let random = "fn random(n: u32) -> f32 { return bitcast<f32>((n & 0x007fffffu) | 0x3f800000u) - 1.0; }\n";
+        let count = |line: &str| {
+            let text = format!("{random}fn f(n: u32) -> f32 {{ let u = random(n); return {line}; }}\n");
+            crate::wgsl::testing::count("N008", &text)
+        };
+        assert_eq!(count("sqrt(-2.0 * log(u))"), 1);
+        assert_eq!(count("sqrt(-2.0 * log(1.0 - u))"), 0);
+        assert_eq!(count("log(bitcast<f32>(n | 0x3f800000u) - 1.0)"), 0, "any exponent");
+    }
+
+    #[test]
     fn others_are_not() {
         silent(
             "N008",

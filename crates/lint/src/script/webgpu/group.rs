@@ -5,7 +5,7 @@ use base::text::Span;
 use super::layout::PipelineLayout;
 use super::number::number;
 use super::pipeline::Pipeline;
-use super::value::{Value, Values};
+use super::value::{Entry, Value, Values};
 
 /// A bind group with the layout of a pipeline.
 #[derive(Debug)]
@@ -14,10 +14,21 @@ pub struct BindGroup {
     pub pipeline: usize,
     /// The number of the group.
     pub index: u64,
-    /// Its bindings with their places.
-    pub bindings: Vec<(u64, Span)>,
+    /// Its bindings.
+    pub bindings: Vec<Bound>,
     /// Place of the list of entries.
     pub place: Span,
+}
+
+/// A resource in a bind group.
+#[derive(Debug)]
+pub struct Bound {
+    /// The binding.
+    pub binding: u64,
+    /// Place of the number.
+    pub place: Span,
+    /// Bytes of the buffer with the place of their number, where the whole of a buffer is bound and its size is known.
+    pub size: Option<(u64, Span)>,
 }
 
 /// The bind groups of a file whose pipeline and entries are known.
@@ -50,9 +61,30 @@ fn group(values: &Values<'_, '_>, pipelines: &[Pipeline], descriptor: &Value) ->
     let bindings = elements.iter().map(|element| {
         let (open, entry) = values.object(element)?;
         let binding = values.entry(open, &entry, "binding").value()?;
-        Some((number(values, &binding)?, code.span(&binding.tokens)))
+        let size = whole_buffer(values, open, &entry);
+        Some(Bound { binding: number(values, &binding)?, place: code.span(&binding.tokens), size })
     });
     Some(BindGroup { pipeline, index, bindings: bindings.collect::<Option<_>>()?, place: code.span(&list.tokens) })
+}
+
+/// The size of the buffer that is the whole resource of an entry.
+fn whole_buffer(values: &Values<'_, '_>, open: usize, entry: &Value) -> Option<(u64, Span)> {
+    let code = values.code;
+    let resource = values.entry(open, entry, "resource").value()?;
+    let buffer = match values.object(&resource) {
+        Some((open, object)) => {
+            let absent = |key: &str| matches!(values.entry(open, &object, key), Entry::Absent);
+            (absent("size") && absent("offset")).then(|| values.entry(open, &object, "buffer").value())??
+        }
+        None => resource,
+    };
+    let made = values.resolve(&buffer)?;
+    let call =
+        values.call(&made.tokens).filter(|c| matches!(code.word(c.name), Some("createBuffer" | "create_buffer")))?;
+    let descriptor = code.elements(call.open).into_iter().next()?;
+    let (open, object) = values.object(&Value { tokens: descriptor, frame: made.frame })?;
+    let size = values.resolve(&values.entry(open, &object, "size").value()?)?;
+    Some((number(values, &size)?, code.span(&size.tokens)))
 }
 
 /// The one pipeline that an expression comes to.

@@ -6,6 +6,7 @@ mod group;
 mod layout;
 mod modules;
 mod number;
+mod passes;
 mod pipeline;
 mod structure;
 #[cfg(test)]
@@ -14,9 +15,10 @@ mod value;
 mod vertex;
 
 pub use dispatch::Dispatch;
-pub use group::BindGroup;
+pub use group::{BindGroup, Bound};
 pub use layout::{GroupLayout, Kind, PipelineLayout};
 pub use modules::Source;
+pub use passes::Mixed;
 pub use pipeline::{Pipeline, StageUse, Start};
 pub use structure::{Field, Structure};
 pub use vertex::{Attribute, VertexBuffer};
@@ -25,6 +27,7 @@ use base::text::Span;
 
 use super::code::Code;
 use super::language::Language;
+use structure::Copied;
 use value::{Value, Values};
 
 /// What a file says.
@@ -46,6 +49,10 @@ pub struct WebGpu {
     pub dispatches: Vec<Dispatch>,
     /// Structures whose bytes are given away.
     pub structures: Vec<Structure>,
+    /// Structures that a library lays out as WGSL does (`ShaderType` of encase), member by member.
+    pub mirrored: Vec<Structure>,
+    /// Resources of one pass that are bound in another.
+    pub mixed: Vec<Mixed>,
     /// Strings that modules are made of.
     pub texts: Vec<Span>,
 }
@@ -53,13 +60,26 @@ pub struct WebGpu {
 impl WebGpu {
     /// True when there is nothing to hold against modules.
     pub fn is_empty(&self) -> bool {
-        self.entry_points.is_empty() && self.structures.is_empty() && self.stages.is_empty()
+        self.entry_points.is_empty()
+            && self.structures.is_empty()
+            && self.mirrored.is_empty()
+            && self.mixed.is_empty()
+            && self.stages.is_empty()
     }
 }
 
 /// True for a text that may have something to say.
 pub fn may_say(text: &str) -> bool {
-    const WORDS: [&str; 5] = ["entry_point", "entryPoint", "Pod", "createShaderModule", "create_shader_module"];
+    const WORDS: [&str; 8] = [
+        "entry_point",
+        "entryPoint",
+        "Pod",
+        "ShaderType",
+        "createShaderModule",
+        "create_shader_module",
+        "set_bind_group",
+        "setBindGroup",
+    ];
     WORDS.iter().any(|word| text.contains(word))
 }
 
@@ -89,9 +109,15 @@ pub fn read(code: &Code<'_>) -> WebGpu {
         }
     }
     if code.language == Language::Rust {
-        let all = structure::structures(code);
-        found.structures = all.into_iter().filter(|(_, pod)| *pod).map(|(s, _)| s).collect();
+        for (structure, copied) in structure::structures(code) {
+            match copied {
+                Copied::Bytes => found.structures.push(structure),
+                Copied::Members => found.mirrored.push(structure),
+                Copied::Not => {}
+            }
+        }
     }
+    found.mixed = passes::mixed(code);
     let values = Values { code };
     found.texts = texts(&values);
     found.stages = pipeline::stages(&values);

@@ -70,8 +70,19 @@ impl Structure {
     }
 }
 
-/// All structures in C's layout, with whether their bytes may be taken as they are.
-pub fn structures(code: &Code<'_>) -> Vec<(Structure, bool)> {
+/// How a structure comes to a buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Copied {
+    /// Its bytes are taken as they are.
+    Bytes,
+    /// A library writes it member by member.
+    Members,
+    /// It is not seen that it does.
+    Not,
+}
+
+/// All structures in C's layout, and those that a library writes, with how they come to a buffer.
+pub fn structures(code: &Code<'_>) -> Vec<(Structure, Copied)> {
     let all = (0..code.tokens.len()).filter(|at| code.word(*at) == Some("struct"));
     all.filter_map(|at| structure(code, at, DEEPEST)).collect()
 }
@@ -95,11 +106,11 @@ fn named(code: &Code<'_>, name: &str, depth: usize) -> Option<Structure> {
     let mut all =
         (1..code.tokens.len()).filter(|at| code.word(*at) == Some(name) && code.word(at - 1) == Some("struct"));
     let at = all.next().filter(|_| all.next().is_none())?;
-    structure(code, at - 1, depth).map(|(s, _)| s)
+    structure(code, at - 1, depth).filter(|(_, copied)| *copied != Copied::Members).map(|(s, _)| s)
 }
 
-/// A structure in C's layout, and whether its bytes may be taken as they are.
-fn structure(code: &Code<'_>, at: usize, depth: usize) -> Option<(Structure, bool)> {
+/// A structure in C's layout or one that a library writes, and how it comes to a buffer.
+fn structure(code: &Code<'_>, at: usize, depth: usize) -> Option<(Structure, Copied)> {
     let depth = depth.checked_sub(1)?;
     let name = code.word(at + 1)?;
     let open = (code.is_mark(at + 2, '{')).then_some(at + 2)?;
@@ -119,9 +130,13 @@ fn structure(code: &Code<'_>, at: usize, depth: usize) -> Option<(Structure, boo
     }
     let has = |word: &str| attributes.iter().any(|r| r.clone().any(|t| code.word(t) == Some(word)));
     let text = code.file.text();
-    let pod = has("Pod") || text.contains(&format!("Pod for {name} "));
-    let other = ["ShaderType", "align", "packed", "cfg"].into_iter().any(has);
-    if other || !has("C") {
+    let copied = match has("Pod") || text.contains(&format!("Pod for {name} ")) {
+        _ if has("ShaderType") => Copied::Members,
+        true => Copied::Bytes,
+        false => Copied::Not,
+    };
+    let other = ["align", "packed", "cfg"].into_iter().any(has);
+    if other || !(has("C") || copied == Copied::Members) {
         return None;
     }
     let mut fields = Vec::new();
@@ -134,7 +149,7 @@ fn structure(code: &Code<'_>, at: usize, depth: usize) -> Option<(Structure, boo
         let ty = colon + 1..element.end;
         fields.push(Field { name: name.to_owned(), place: code.place(colon - 1), extent: extent(code, ty, depth) });
     }
-    Some((Structure { name: name.to_owned(), place: code.place(at + 1), fields }, pod))
+    Some((Structure { name: name.to_owned(), place: code.place(at + 1), fields }, copied))
 }
 
 /// Bytes and alignment of a type: numbers, arrays of them, structures of the file, and vectors of libraries.

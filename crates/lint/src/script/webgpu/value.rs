@@ -240,8 +240,16 @@ impl<'t> Values<'_, 't> {
         let code = self.code;
         (body.start..at).filter(|t| code.word(*t) == Some(name)).any(|t| {
             let before = |back: usize| t.checked_sub(back).and_then(|b| code.tokens.get(b)).copied();
-            let in_pattern =
-                code.bracket(t).filter(|open| body.contains(open) && *open > body.start).is_some_and(|open| {
+            // The head of a loop of JavaScript: what it declares stands behind `const`, `let` or `var`.
+            let in_head = |open: usize| {
+                code.language != Language::Rust
+                    && code.is_mark(open, '(')
+                    && open.checked_sub(1).is_some_and(|b| code.word(b) == Some("for"))
+            };
+            let in_pattern = code
+                .bracket(t)
+                .filter(|open| body.contains(open) && *open > body.start && !in_head(*open))
+                .is_some_and(|open| {
                     let mut start = open;
                     // `let Some((a, b)) =`, `let Self { a, b } =`
                     while let Some(earlier) = start

@@ -4,7 +4,7 @@
 use syntax::Shader;
 use syntax::wgsl::{Module, TypeSyntax};
 
-use super::Resource;
+use super::super::interface::Resource;
 use crate::script::webgpu::Kind;
 
 /// What an entry and a declaration say of the same thing, where they differ.

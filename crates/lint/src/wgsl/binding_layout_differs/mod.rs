@@ -3,15 +3,13 @@
 mod fits;
 
 use crate::host::HostFile;
-use crate::project::{Project, ShaderFile};
+use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
-use crate::script::webgpu::{BindGroup, GroupLayout, Pipeline, PipelineLayout};
+use crate::script::webgpu::{BindGroup, Bound, GroupLayout, PipelineLayout};
 use base::diagnostic::{Code, Diagnostic, Message, Severity, message};
 use base::text::Span;
-use syntax::Stage;
-use syntax::wgsl::Module;
 
-use super::interface::{Resource, module_of, resources, started};
+use super::interface::{Used, used};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -22,14 +20,6 @@ pub const RULE: Rule = Rule {
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Host(check),
 };
-
-/// A resource that a stage of a pipeline uses.
-struct Used<'p> {
-    stage: Stage,
-    file: &'p ShaderFile,
-    module: &'p Module,
-    resource: Resource<'p>,
-}
 
 fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
     let Some(webgpu) = host.webgpu() else { return };
@@ -45,18 +35,6 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
             of_group(host, group, &used, findings);
         }
     }
-}
-
-/// What all stages of a pipeline use; none where one of them is not seen.
-fn used<'p>(project: &'p Project, host: &HostFile, pipeline: &Pipeline) -> Option<Vec<Used<'p>>> {
-    let mut found = Vec::new();
-    for stage in &pipeline.stages {
-        let (file, module) = module_of(project, host, &stage.source)?;
-        let entry = started(module, stage)?;
-        let all = resources(&file.shader, module, entry)?;
-        found.extend(all.into_iter().map(|resource| Used { stage: stage.stage, file, module, resource }));
-    }
-    Some(found)
 }
 
 fn report(host: &HostFile, place: Span, what: Message, used: &Used<'_>, findings: &Findings<'_>) -> Diagnostic {
@@ -135,7 +113,7 @@ fn of_layout(
 fn of_group(host: &HostFile, group: &BindGroup, used: &[Used<'_>], findings: &mut Findings<'_>) {
     let index = group.index;
     let own: Vec<&Used<'_>> = used.iter().filter(|u| u.resource.group == index).collect();
-    for (binding, place) in &group.bindings {
+    for Bound { binding, place, size: _ } in &group.bindings {
         if own.iter().any(|u| u.resource.binding == *binding) {
             continue;
         }
@@ -159,7 +137,7 @@ fn of_group(host: &HostFile, group: &BindGroup, used: &[Used<'_>], findings: &mu
     }
     for used in own {
         let (name, binding) = (&used.resource.variable.name.name, used.resource.binding);
-        if group.bindings.iter().any(|(b, _)| *b == binding) {
+        if group.bindings.iter().any(|b| b.binding == binding) {
             continue;
         }
         let what = message!(

@@ -18,7 +18,9 @@ pub const RULE: Rule = Rule {
 fn check(file: &ShaderFile, module: &Module, findings: &mut Findings<'_>) {
     for (variable, symbol) in module.globals() {
         let open = variable.kind == DeclarationKind::Override && variable.value.is_none();
-        if !open || file.shader.uses_of(symbol).next().is_none() {
+        // What stands in for a placeholder has the value that the template engine gives it.
+        let own = !file.file.is_assembled() || file.file.copied(variable.name.span).is_some();
+        if !open || !own || file.shader.uses_of(symbol).next().is_none() {
             continue;
         }
         let name = &variable.name.name;

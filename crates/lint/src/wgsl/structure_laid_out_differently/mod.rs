@@ -139,7 +139,8 @@ fn difference(
         "`{name}` has {here} bytes here, and elements of its array have {stride} in the shader",
         "`{name}` はここでは {here} バイト、シェーダの配列要素は {stride} バイトです"
     );
-    Some((structure.place, what))
+    // What is missing goes behind the last field.
+    Some((structure.fields.last().map_or(structure.place, |f| f.place), what))
 }
 
 /// The layout in the shader, in one line.

@@ -1,0 +1,98 @@
+//! N037: a divisor kept from 0 by a number that is too small to help.
+
+use crate::project::ShaderFile;
+use crate::rule::{Check, Findings, Level, Pages, Rule};
+use base::diagnostic::{Code, Severity, message};
+use syntax::Shader;
+use syntax::ast::{BinaryOp, ExprId, ExprKind};
+use syntax::types::ScalarType;
+
+use super::division_by_zero::divisions;
+use super::forms::Forms;
+use super::numeric::{bare, constant, number};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("N037"),
+    name: "epsilon-without-effect",
+    severity: Severity::Warning,
+    level: Level::Strict,
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
+    check: Check::Any(check),
+};
+
+/// Quotients of numerators above 3.4e8 overflow behind a smaller divisor.
+const TOO_SMALL: f64 = 1e-30;
+
+/// The greatest number of binary32.
+const GREATEST: f64 = f32::MAX as f64;
+
+/// The constant that a sum adds, and the other term.
+fn added(shader: &Shader, sum: ExprId) -> Option<(f64, ExprId, ExprId)> {
+    let ExprKind::Binary { op: BinaryOp::Add, op_span: _, left, right } = shader.expr(bare(shader, sum)).kind else {
+        return None;
+    };
+    let term = |small: ExprId, other: ExprId| {
+        let value = constant(shader, small).filter(|v| *v > 0.0 && *v < TOO_SMALL)?;
+        constant(shader, other).is_none().then_some((value, small, other))
+    };
+    term(right, left).or_else(|| term(left, right))
+}
+
+fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
+    let shader = &file.shader;
+    let forms = Forms::new(shader);
+    for (id, divisor) in divisions(shader) {
+        let single = shader.type_of(divisor).scalar() == Some(ScalarType::Float);
+        let Some((value, small, other)) = added(shader, forms.value(divisor)).filter(|_| single) else { continue };
+        if shader.expr(id).from_macro {
+            continue;
+        }
+        let (text, kept) = (shader.text_of(small), shader.text_of(other));
+        let limit = number(value * GREATEST);
+        findings.push(
+            findings
+                .at(
+                    &file.file,
+                    shader.expr(small).span,
+                    message!("adding `{text}` does not protect the division", "`{text}` を足しても除算は守られません"),
+                )
+                .with_label(message!("too small", "小さすぎる"))
+                .with_why(message!(
+                    "where `{kept}` is 0, a numerator above {limit} gives infinity; elsewhere the sum is rounded to `{kept}`",
+                    "`{kept}` が 0 のところでは分子が {limit} を超えると無限大になり、他では和が `{kept}` に丸められます"
+                ))
+                .with_help(message!(
+                    "divide by `max({kept}, …)` with the least value that makes sense, or branch on 0",
+                    "意味のある最小値を使って `max({kept}, …)` で割るか、0 のときを分けてください"
+                )),
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::numeric::testing::{rings, silent};
+    use crate::Level;
+
+    #[test]
+    fn numbers_that_vanish_are_reported() {
+        rings(
+            "N037",
+            Level::Strict,
+            &["r = s / (t + 1e-32);", "v = p / (1e-37 + length(q));", "float d = t + 1e-31; r = s / d;"],
+        );
+    }
+
+    #[test]
+    fn numbers_that_help_are_not() {
+        silent(
+            "N037",
+            Level::Heuristic,
+            &["r = s / (t + 1e-6);", "r = s / max(t, 1e-32);", "r = s + 1e-32;", "r = s / (t * 1e-32);"],
+        );
+        let wgsl =
+            |line: &str| crate::wgsl::testing::count("N037", &format!("fn f(a: f32, b: f32) -> f32 {{ {line} }}"));
+        assert_eq!((wgsl("return a / (b + 1e-32);"), wgsl("return a / (b + 1e-9);")), (1, 0));
+    }
+}
