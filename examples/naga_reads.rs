@@ -5,6 +5,8 @@
 //! cargo run --example naga_reads -- upstream/naga-global-initialiser/repro.vert
 //! ```
 
+#![expect(clippy::print_stdout, reason = "a command prints its result")]
+
 use std::error::Error;
 use std::path::Path;
 

@@ -62,7 +62,10 @@ impl Unit {
 
 /// The shaders of texts that were read before.
 #[derive(Default)]
-pub struct UnitCache(Mutex<HashMap<String, (Vec<SourceFile>, Arc<[Arc<Unit>]>)>>);
+pub struct UnitCache(Mutex<HashMap<String, Read>>);
+
+/// Texts, and the shaders that were read from them.
+type Read = (Vec<SourceFile>, Arc<[Arc<Unit>]>);
 
 impl UnitCache {
     /// The shaders in a file; `find` gives the files that it includes.

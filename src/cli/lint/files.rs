@@ -158,7 +158,7 @@ impl Loaded {
             None => {
                 let wgsl = language_of(file.name()) == Some(Language::Wgsl);
                 let input = Input::new(file).kept();
-                self.inputs.push(if wgsl { input.composed_by(modules::composer()) } else { input });
+                self.inputs.push(if wgsl { input.composed_by(modules::composer(&self.folders)) } else { input });
             }
         }
     }

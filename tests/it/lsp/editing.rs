@@ -66,7 +66,7 @@ fn a_repair_is_offered_and_leaves_nothing_to_find() {
     let params = json!({ "textDocument": { "uri": uri }, "range": range, "context": { "diagnostics": [] } });
     let actions = client.ask("textDocument/codeAction", params).unwrap();
     let titles: Vec<&str> = actions.as_array().unwrap().iter().map(|a| a["title"].as_str().unwrap()).collect();
-    assert!(titles.iter().any(|t| *t == "Ignore T001 on this line"), "{titles:?}");
+    assert!(titles.contains(&"Ignore T001 on this line"), "{titles:?}");
     for action in actions.as_array().unwrap() {
         let after = edited(&action["edit"], &uri, &wrong);
         std::fs::write(folder.path().join("a.frag"), after).unwrap();

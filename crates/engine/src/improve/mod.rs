@@ -102,6 +102,9 @@ pub struct Report {
     pub failed: Option<String>,
 }
 
+/// A share of points, one of them by names and values of its inputs, and bits lost there by the original and by another one.
+pub type Worse = (f64, Vec<(String, f32)>, [f64; 2]);
+
 /// Another formula.
 #[derive(Clone, Debug)]
 pub struct Proposal {
@@ -117,7 +120,7 @@ pub struct Proposal {
     pub operations: f64,
     /// Share of the points at which it loses more than half a bit more than the original, and the one where it is most: its
     /// inputs and both losses.
-    pub worse: Option<(f64, Vec<(String, f32)>, [f64; 2])>,
+    pub worse: Option<Worse>,
     /// How it was proved.
     pub proof: Proof,
     /// Both functions beside each other, by the judge and on lanes.

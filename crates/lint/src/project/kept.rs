@@ -23,15 +23,18 @@ impl fmt::Debug for Kept {
     }
 }
 
+/// Whether a text is reported, and the prelude with which it is read.
+type Reading = (bool, Wanted);
+
 #[derive(Default)]
 struct Readings {
     /// The text as a shader, reported or not, in a project with this prelude.
-    shaders: Vec<((bool, Wanted), Arc<ShaderFile>)>,
+    shaders: Vec<(Reading, Arc<ShaderFile>)>,
     script: Option<Arc<Script>>,
     /// What a host file holds, in a project with these wrappers.
     found: Option<(Vec<Wrapper>, Arc<Found>)>,
     /// The shaders in its literals, reported or not, in a project with this prelude.
-    embedded: Vec<((bool, Wanted), Vec<Arc<ShaderFile>>)>,
+    embedded: Vec<(Reading, Vec<Arc<ShaderFile>>)>,
 }
 
 impl Kept {

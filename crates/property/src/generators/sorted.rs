@@ -52,7 +52,7 @@ impl Generator for Sorted {
     fn simpler(&self, _group: &Group, words: &[u32], k: usize, out: &mut [u32]) -> bool {
         let Some(block) = block(k / 2, out.len()) else { return false };
         if let (Some(&first), Some(&last)) = (words[block.clone()].first(), words[block.clone()].last()) {
-            out[block].fill(if k % 2 == 0 { first } else { last });
+            out[block].fill(if k.is_multiple_of(2) { first } else { last });
         }
         true
     }

@@ -218,6 +218,9 @@ fn harmed(ready: &Ready, executable: &Executable, batch: &Batch, invocations: &[
     chunks.into_iter().flatten().collect()
 }
 
+/// An error with the vertex and word where it is, and both values there.
+type Worst = (f64, (usize, usize), f32, f32);
+
 fn chunk_of(
     ready: &Ready,
     lowered: &mut Machine<'_, Beside>,
@@ -232,7 +235,7 @@ fn chunk_of(
     // Colours are seen beside white, whatever they are.
     let floor = if ready.program.stage == Stage::Fragment { 1.0 } else { LIMIT };
     let record = &ready.kernel.output.vertex;
-    let mut worst: Vec<Option<(f64, (usize, usize), f32, f32)>> = vec![None; invocations.len()];
+    let mut worst: Vec<Option<Worst>> = vec![None; invocations.len()];
     for vertex in 0..wide.room() {
         for field in 0..record.fields().len() {
             let range = record.range(field);
@@ -265,7 +268,7 @@ fn chunk_of(
         }
     }
     let domain = lowered.as_domain();
-    let name = |(slot, worst): (usize, Option<(f64, (usize, usize), f32, f32)>)| {
+    let name = |(slot, worst): (usize, Option<Worst>)| {
         let (error, place, wide, lowered) = worst?;
         let order = match error.is_infinite() {
             true => [Harm::Overflow, Harm::Underflow, Harm::Digits],

@@ -181,7 +181,7 @@ fn packed(shader: &Shader, id: ExprId, args: &[ExprId]) -> Option<Message> {
         return None;
     }
     let Some(Const::Float(base)) = shader.fold(*args.get(1)?) else { return None };
-    let power = base >= 2.0 && base <= 256.0 && base.log2().fract() == 0.0;
+    let power = (2.0..=256.0).contains(&base) && base.log2().fract() == 0.0;
     let symbol = attribute(shader, args[0]).filter(|_| power)?;
     let name = &shader.symbol(symbol).name;
     Some(message!(

@@ -183,7 +183,7 @@ struct Compiler<'m> {
     own: HashMap<Handle<GlobalVariable>, Rc<[Register]>>,
     numbers: HashMap<Reg, u32>,
     /// Places of statements, where there are several invocations.
-    statements: HashMap<(Option<Handle<Function>>, Option<(usize, usize)>), Site>,
+    statements: HashMap<together::Stretch, Site>,
 }
 
 impl<'m> Compiler<'m> {

@@ -245,10 +245,7 @@ impl<'m> Compiler<'m> {
         match self.subject.dispatch {
             None => new(),
             // All invocations share the places of their code.
-            Some(_) => *self
-                .statements
-                .entry((frame.handle, span.to_range().map(|range| (range.start, range.end))))
-                .or_insert_with(new),
+            Some(_) => *self.statements.entry((frame.handle, span.to_range())).or_insert_with(new),
         }
     }
 

@@ -31,6 +31,9 @@ struct Invocation<'m> {
 
 type Own = HashMap<Handle<GlobalVariable>, Rc<[Register]>>;
 
+/// Bytes of a text, with the function that they belong to.
+pub(super) type Stretch = (Option<Handle<Function>>, Option<std::ops::Range<usize>>);
+
 /// A call of a function, with its arguments and where its result goes.
 type Call<'m> = (Option<Handle<Function>>, &'m Function, &'m FunctionInfo, Vec<Value>, Rc<[Register]>);
 
