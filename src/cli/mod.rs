@@ -177,7 +177,7 @@ pub enum Command {
     #[cfg(feature = "run")]
     Init(init::InitArgs),
     /// Find and repair mistakes in shaders and in the code that feeds them
-    Lint(lint::LintArgs),
+    Lint(Box<lint::LintArgs>),
     /// Serve an editor: findings while typing, repairs, navigation, over standard input and output
     Lsp(lsp::LspArgs),
     /// Show the page of a lint rule
