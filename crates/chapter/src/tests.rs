@@ -30,6 +30,8 @@ fn the_shipped_suites_are_those_below_shaders() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shaders");
     let mut disk = Vec::new();
     on_disk(&root, &root, &mut disk);
+    // Kernels are content of their own, which is run by its folder.
+    disk.retain(|path| !path.starts_with("kernels/"));
     disk.sort_unstable();
     let mut embedded: Vec<&str> = shipped().map(|s| s.path).collect();
     embedded.sort_unstable();

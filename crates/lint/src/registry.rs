@@ -115,11 +115,11 @@ pub const RULES: &[&Rule] = &[
     &glsl::unsigned_wraps::RULE,
     &glsl::quotient_below_zero::RULE,
     &glsl::extreme_from_zero::RULE,
-    &glsl::mediump_epsilon::RULE,
-    &glsl::mediump_digits::RULE,
     &glsl::epsilon_without_effect::RULE,
     &glsl::factor_of_one_term::RULE,
     &glsl::index_rounded_to_size::RULE,
+    &glsl::mediump_epsilon::RULE,
+    &glsl::mediump_digits::RULE,
     // P. Cost.
     &glsl::inverse_in_shader::RULE,
     &glsl::matrix_chain_order::RULE,

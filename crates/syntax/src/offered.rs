@@ -145,7 +145,8 @@ mod tests {
         assert!(has(&old, "texture2D") && !has(&old, "fma") && has(&new, "fma") && has(&new, "dFdx"));
         assert!(!has(&shader("#version 450\n", Stage::Vertex), "dFdx"));
         let variable = |s: &Shader, name: &str| s.offered_variables().iter().any(|v| v.name == name);
-        assert!(variable(&old, "gl_FragColor") && !variable(&new, "gl_FragColor") && variable(&new, "gl_FragCoord"));
+        let es = shader("#version 300 es\n", Stage::Fragment);
+        assert!(variable(&old, "gl_FragColor") && !variable(&es, "gl_FragColor") && variable(&es, "gl_FragCoord"));
         assert!(matches!(old.availability("fma"), Availability::Later { desktop: Some(400), .. }));
         let doubles = |s: &Shader| s.overloads(BuiltinFunction::Sqrt).iter().any(|o| o.result.to_string() == "double");
         assert!(doubles(&new) && !doubles(&old));

@@ -33,14 +33,14 @@ async function start(): Promise<void> {
   const command = program();
   if (!command) return;
   const lang = settings().get<string>("lang", "auto");
-  const args = ["lsp", ...(lang === "auto" ? [] : ["--lang", lang])];
   const languages = settings().get<boolean>("hosts", true) ? [...SHADERS, ...HOSTS] : SHADERS;
   client = new LanguageClient(
     "shadercheck",
     "shadercheck",
     // Without a transport, the streams are taken and no option is added.
-    { command, args },
+    { command, args: ["lsp"] },
     {
+      initializationOptions: lang === "auto" ? {} : { lang },
       documentSelector: languages.map((language) => ({ scheme: "file", language })),
       synchronize: { fileEvents: vscode.workspace.createFileSystemWatcher("**/shadercheck.toml") },
     },

@@ -21,7 +21,7 @@ test("a mistake is told when a file is opened, and gone when it is repaired", { 
   const folder = mkdtempSync(path.join(tmpdir(), "shadercheck-vscode-"));
   const file = path.join(folder, "a.vert");
   writeFileSync(file, TEXT);
-  const server = spawn(program, ["lsp", "--lang", "en"], { cwd: folder, stdio: ["pipe", "pipe", "inherit"] });
+  const server = spawn(program, ["lsp"], { cwd: folder, stdio: ["pipe", "pipe", "inherit"] });
   const connection = createProtocolConnection(new StreamMessageReader(server.stdout), new StreamMessageWriter(server.stdin));
   const told = [];
   let wake = () => {};

@@ -2,7 +2,6 @@
 //! stopped, on the files as they are saved.
 
 use std::io::Read as _;
-use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -74,27 +73,10 @@ pub(super) fn arguments(command: &str, given: &[Value]) -> Result<Vec<String>, R
     all.push("--".to_owned());
     all.push(file.clone());
     if command == "shadercheck.compare" {
-        let old = committed(Path::new(&file)).map_err(|why| error(ErrorCode::RequestFailed, why))?;
         let at = all.len() - 1;
-        all.insert(at, old);
+        all.insert(at, format!("HEAD:{file}"));
     }
     Ok(all)
-}
-
-/// Writes a file as it stands in the last commit to a temporary one; gives its path.
-fn committed(file: &Path) -> Result<String, String> {
-    let (Some(folder), Some(name)) = (file.parent(), file.file_name()) else { return Err("it is no file".to_owned()) };
-    let shown = name.to_string_lossy();
-    let output = Command::new("git").arg("-C").arg(folder).arg("show").arg(format!("HEAD:./{shown}")).output();
-    let output = output.map_err(|e| format!("git cannot be started: {e}"))?;
-    if !output.status.success() {
-        return Err(format!("git: {}", String::from_utf8_lossy(&output.stderr).trim()));
-    }
-    let to = std::env::temp_dir().join(format!("shadercheck-{}", std::process::id()));
-    std::fs::create_dir_all(&to).map_err(|e| e.to_string())?;
-    let to = to.join(name);
-    std::fs::write(&to, &output.stdout).map_err(|e| e.to_string())?;
-    Ok(to.to_string_lossy().into_owned())
 }
 
 /// Starts a command; `done` is called with what came of it.

@@ -12,6 +12,9 @@ use super::Event;
 /// Bytes of the longest message that is read.
 const MOST_BYTES: u64 = 256 << 20;
 
+/// Bytes of a line of a header at most.
+const HEADER: usize = 4096;
+
 /// What came of an attempt to read a message.
 #[derive(Debug)]
 pub(super) enum Incoming {
@@ -40,8 +43,10 @@ pub(super) fn read(input: &mut dyn BufRead) -> Incoming {
     loop {
         let mut line = Vec::new();
         // A header is a line of ASCII.
-        match input.take(4096).read_until(b'\n', &mut line) {
-            Ok(0) | Err(_) => return Incoming::End,
+        match input.take(HEADER as u64).read_until(b'\n', &mut line) {
+            Err(_) => return Incoming::End,
+            // A line that ends before its end is cut off.
+            Ok(read) if read < HEADER && !line.ends_with(b"\n") => return Incoming::End,
             Ok(_) => {}
         }
         let line = String::from_utf8_lossy(&line);

@@ -157,6 +157,6 @@ mod tests {
         // The host looks a name up that is gone.
         now[0] = now[0].with_file(SourceFile::new("a.vert", right));
         now[1] = now[1].with_file(SourceFile::new("a.frag", now[1].file.text().replace("tint", "tone")));
-        assert!(run_with(&now, &settings).iter().any(|d| d.file.name() == "m.cpp" && d.code.0 == "H004"));
+        assert!(run_with(&now, &settings).iter().any(|d| d.file.name() == "m.cpp" && d.code.0 == "H003"));
     }
 }

@@ -19,7 +19,7 @@ pub const RULE: Rule = Rule {
     severity: Severity::Warning,
     level: Level::Default,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
-    check: Check::Any(check),
+    check: Check::Shader(check),
 };
 
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
@@ -30,6 +30,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     let precisions = Precisions::of(shader);
     let initial = Initial::of(shader);
     let whole = ["fract", "floor", "ceil", "mod", "round", "trunc"];
+    let mut found = Vec::new();
     for (id, expr) in shader.arena().iter() {
         let ExprKind::Call { args, .. } = &expr.kind else { continue };
         let Some(first) = args.first().copied() else { continue };
@@ -38,10 +39,16 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         } else {
             depth(shader, &precisions, id, first)
         };
-        let Some(what) = what else { continue };
+        found.extend(what.map(|what| (expr.span, what)));
+    }
+    // The outer one of two operations on the same number says it.
+    let spans: Vec<_> = found.iter().map(|(span, _)| *span).collect();
+    let inner =
+        |span: base::text::Span| spans.iter().any(|of| *of != span && of.start <= span.start && span.end <= of.end);
+    for (span, what) in found.into_iter().filter(|(span, _)| !inner(*span)) {
         findings.push(
             findings
-                .at(&file.file, expr.span, what)
+                .at(&file.file, span, what)
                 .with_label(message!("computed at `mediump` or `lowp`", "`mediump` か `lowp` で計算"))
                 .with_why(message!(
                     "GLSL ES promises 11 bits of `mediump`: beyond 1024 no fraction is left, beyond 2048 no odd number",
@@ -258,7 +265,7 @@ mod tests {
     fn digits_that_are_not_there_are_found() {
         let mediump = "precision mediump float;";
         assert_eq!(fragment(mediump, "gl_FragColor = vec4(fract(gl_FragCoord.x * 0.5));"), 1);
-        assert_eq!(fragment(mediump, "gl_FragColor = vec4(fract(floor(uv.x * OutputSize.x) * -0.5));"), 2);
+        assert_eq!(fragment(mediump, "gl_FragColor = vec4(fract(floor(uv.x * OutputSize.x) * -0.5));"), 1);
         assert_eq!(fragment(mediump, "gl_FragColor = vec4(floor(uv.x / texelSize.x));"), 1);
         assert_eq!(fragment(mediump, "gl_FragColor = texture2D(sceneDepth, uv);"), 1);
         assert_eq!(fragment(mediump, "gl_FragColor = vec4(fract(uv.x * 4.0));"), 0, "a small number");

@@ -17,7 +17,7 @@ pub const RULE: Rule = Rule {
     severity: Severity::Warning,
     level: Level::Default,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
-    check: Check::Any(check),
+    check: Check::Shader(check),
 };
 
 /// Numbers nearer to 0 may be 0 (GLSL ES 3.00, 4.5.1).
