@@ -90,6 +90,8 @@ pub const FRAGMENT: Code = Code("E074");
 pub const IMPORTED_TWICE: Code = Code("E075");
 /// A text in an early draft of WGSL, or what only such drafts have.
 pub const EARLY_DRAFT: Code = Code("E076");
+/// A text in another language than the one that it is read as.
+pub const OTHER_LANGUAGE: Code = Code("E077");
 
 // Codes of rules of the lint tool: the rule has the page and adds the fix.
 
@@ -180,4 +182,5 @@ pub const ALL: &[(Code, &str)] = &[
     (FRAGMENT, "a text that is one part of several: a name is declared neither in it nor in what it imports"),
     (IMPORTED_TWICE, "a name that is imported twice, or imported and declared"),
     (EARLY_DRAFT, "a text in an early draft of WGSL, or what only such drafts have"),
+    (OTHER_LANGUAGE, "a text in another language than the one that it is read as"),
 ];

@@ -20,6 +20,7 @@ pub mod memory;
 mod names;
 mod number;
 pub mod offered;
+mod other_language;
 mod parser;
 pub mod precision;
 mod preprocess;
@@ -35,13 +36,14 @@ pub mod types;
 pub mod wgsl;
 
 use ast::{Arena, Expr, ExprId, Unit};
-use base::diagnostic::Diagnostic;
+use base::diagnostic::{Diagnostic, Severity};
 use base::text::{SourceFile, Span};
 pub use builtin::BuiltinFunction;
 pub use constructor::{Constructor, Fit, constructor_needs};
 pub use fitting::fitting;
 pub use fold::Const;
 use interface::Interface;
+pub use other_language::{Looks, looks_like, other_language};
 pub use preprocess::plain;
 pub use stage::Stage;
 use symbols::{CallTarget, FunctionId, FunctionInfo, Symbol, SymbolId, Use};
@@ -140,6 +142,17 @@ pub struct Parsed {
     pub diagnostics: Vec<Diagnostic>,
 }
 
+impl Parsed {
+    /// Where the text is in another language than the one that it is read as, that is all that is wrong.
+    fn unless_in_another(mut self, own: Looks) -> Self {
+        // A module that cannot be read gives no errors: its other readers do.
+        if own == Looks::Wgsl || self.diagnostics.iter().any(|d| d.severity == Severity::Error) {
+            self.diagnostics = other_language(&self.shader.file, own).map_or(self.diagnostics, |found| vec![found]);
+        }
+        self
+    }
+}
+
 /// A shader that has been read.
 #[derive(Clone, Debug)]
 pub struct Shader {
@@ -228,12 +241,12 @@ impl Shader {
             defines: defines.to_vec(),
             wgsl: None,
         };
-        Parsed { shader, diagnostics: sink.finish() }
+        Parsed { shader, diagnostics: sink.finish() }.unless_in_another(Looks::Glsl)
     }
 
     /// Reads a module of WGSL. It has no stage of its own: it counts as a library, and its entry points say theirs.
     pub fn parse_wgsl(file: &SourceFile) -> Parsed {
-        wgsl::read(file)
+        wgsl::read(file).unless_in_another(Looks::Wgsl)
     }
 
     /// The same module, as one of several that an engine makes of a text.

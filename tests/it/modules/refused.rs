@@ -46,6 +46,13 @@ fn a_text_without_entry_point_says_what_it_has() {
 fn another_language_than_the_ending_says_is_recognised() {
     says("f.wgsl", b"#version 330\nvoid main() {}\n", "", &["f.wgsl:1:1", "looks like GLSL"]);
     says("f.wgsl", b"float f(float x) { return x; }\n", "", &["f.wgsl:1:1"]);
+    says("f.wgsl", b"cbuffer C { float4 a; };\n", "", &["f.wgsl:1:1", "error[E077]", "looks like HLSL"]);
+    says(
+        "f.frag",
+        b"@fragment fn f() {}\n",
+        "",
+        &["f.frag:1:1", "error[E077]", "looks like WGSL, and is read as GLSL"],
+    );
 }
 
 #[test]

@@ -8,7 +8,7 @@ use base::text::{SourceFile, Span, decode};
 use disk::read_source;
 use lanes::compiler::{CompileError, Compiler, Kind, Message, PointStage, Source, named};
 use program::{COMPILER, ModuleText, OWN, Outline, ProgramError, Written};
-use syntax::Stage;
+use syntax::{Looks, Stage, looks_like};
 
 /// The variable that names a compiler.
 const VARIABLE: &str = "SHADERCHECK_COMPILER";
@@ -315,24 +315,15 @@ impl Work<'_> {
             };
             let found = Diagnostic::new(COMPILER, Severity::Error, file, span, text);
             let found = found.with_why(format!("{} says so", self.compiler.name()));
-            match self.other_language() {
-                Some(other) => found.with_help(format!("the text looks like {other}: give its file another ending")),
+            match looks_like(self.file.text(), Looks::Hlsl) {
+                Some((other, _)) => {
+                    found.with_help(format!("the text looks like {}: give its file another ending", other.name()))
+                }
                 None => found,
             }
             .at_origin()
         };
         ProgramError::Source(messages.iter().map(one).collect())
-    }
-
-    /// The language of a text that is neither.
-    fn other_language(&self) -> Option<&'static str> {
-        let text = self.file.text();
-        let glsl = text.lines().any(|line| line.trim_start().starts_with("#version "));
-        match Written::guessed(text) {
-            _ if glsl => Some(Written::Glsl.name()),
-            Some(Written::Wgsl) => Some(Written::Wgsl.name()),
-            _ => None,
-        }
     }
 
     fn span(&self, message: &Message) -> Span {

@@ -43,7 +43,7 @@ impl Joined {
             return Ok(Some(Self { made: Made::Compiled { file, folders, defines, asked: asked.clone() }, stated }));
         }
         // A text in another language than its ending says is told as such by its reader.
-        if Written::of(file) != Written::Wgsl || Written::guessed(file.text()) == Some(Written::Glsl) {
+        if Written::of(file) != Written::Wgsl || syntax::other_language(file, syntax::Looks::Wgsl).is_some() {
             return Ok(None);
         }
         let composed = match Modules::new(folders.to_vec()).compose(file, options) {

@@ -101,8 +101,10 @@ impl ShaderFile {
                 shader.author = shader.file.is_assembled().then(|| input.file.clone());
                 shader.refused = refused;
                 if varies {
-                    // The host may state other features.
-                    shader.on_request = std::mem::take(&mut shader.front_end);
+                    // The host may state other features, and no other language.
+                    let (sure, asked) =
+                        shader.front_end.into_iter().partition(|d: &Diagnostic| d.code == errors::OTHER_LANGUAGE);
+                    (shader.front_end, shader.on_request) = (sure, asked);
                     shader.refused.iter_mut().for_each(|(level, _)| *level = Level::Strict);
                 }
                 shader

@@ -2,8 +2,6 @@
 
 use base::text::SourceFile;
 
-use syntax::wgsl::tokens;
-
 /// The language of a text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Written {
@@ -59,35 +57,5 @@ impl Written {
     /// True for a language that a compiler makes SPIR-V of before the text is read.
     pub fn is_compiled(self) -> bool {
         matches!(self, Self::Hlsl | Self::Slang)
-    }
-
-    /// The language that a text looks like whose own language refuses it, by declarations that no other has.
-    pub fn guessed(text: &str) -> Option<Self> {
-        let all = tokens(text);
-        let word = |k: usize| all.get(k).map_or("", |token| &text[token.span.range()]);
-        (0..all.len()).find_map(|k| match (word(k), word(k + 1), word(k + 2)) {
-            ("#", "version", _) | ("void", "main", "(") => Some(Self::Glsl),
-            ("@", "vertex" | "fragment" | "compute" | "group" | "builtin", _) => Some(Self::Wgsl),
-            ("cbuffer" | "float4x4" | "float3x3", _, _) | ("numthreads", "(", _) => Some(Self::Hlsl),
-            ("float2" | "float3" | "float4", name, _) if name.starts_with(|c: char| c.is_alphabetic()) => {
-                Some(Self::Hlsl)
-            }
-            ("fn", name, "(") if name.starts_with(|c: char| c.is_alphabetic() || c == '_') => Some(Self::Wgsl),
-            _ => None,
-        })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_text_tells_its_language() {
-        assert_eq!(Written::guessed("// fn f(\n#version 330\n"), Some(Written::Glsl));
-        assert_eq!(Written::guessed("void main() {}"), Some(Written::Glsl));
-        assert_eq!(Written::guessed("fn f(x: f32) -> f32 { return x; }"), Some(Written::Wgsl));
-        assert_eq!(Written::guessed("float3 f(float3 x) { return x; }"), Some(Written::Hlsl));
-        assert_eq!(Written::guessed("float f(float x) { return x; }"), None);
     }
 }

@@ -3,7 +3,6 @@
 use naga::Module;
 use naga::front::wgsl::{Frontend, ParseError};
 
-use super::Written;
 use crate::front::{NAGA, validate_text};
 use crate::{ProgramError, contain};
 use base::diagnostic::{Diagnostic, Severity};
@@ -108,13 +107,7 @@ fn refused(file: &SourceFile, error: &ParseError) -> Diagnostic {
     for note in error.notes() {
         found = found.with_why(note.to_owned());
     }
-    match Written::guessed(file.text()) {
-        Some(other) if other != Written::Wgsl => {
-            let help = format!("the text looks like {}: give its file another ending", other.name());
-            found.with_help(help)
-        }
-        _ => found,
-    }
+    syntax::other_language(file, syntax::Looks::Wgsl).unwrap_or(found)
 }
 
 /// Variables without a value begin as zero (WGSL, 7.2).

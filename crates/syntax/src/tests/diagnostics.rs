@@ -34,6 +34,18 @@ fn syntax_errors_say_what_is_expected() {
 }
 
 #[test]
+fn a_text_in_another_language_has_this_one_error() {
+    whole(
+        "@fragment fn f() -> @location(0) vec4f { return vec4f(); }",
+        "E077 1:1 the text looks like WGSL, and is read as GLSL",
+    );
+    whole(
+        "float4 f(float4 p : POSITION) : SV_Position { return p; }",
+        "E077 1:31 the text looks like HLSL, and is read as GLSL",
+    );
+}
+
+#[test]
 fn columns_are_right_behind_a_japanese_comment() {
     one("/* 頂点の座標 */ float x = ;", "E001 5:23 expected an expression after `=`, found `;`");
     one("/* 球 */ gl_Position = q1;", "E020 5:23 `q1` is not declared");
