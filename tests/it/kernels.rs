@@ -142,10 +142,12 @@ fn what_is_not_judged_is_told() {
 }
 
 /// Wrong twins of the kernels in `shaders/kernels`: the suite in one size, and a part of what is reported.
-const TWINS: [(&str, &str, &str); 15] = [
+const TWINS: [(&str, &str, &str); 16] = [
     ("sum_zeros", "sum.suite.toml[N=63]", "the shader deviates from its reference: `total[0]` is 0.0"),
     ("sum_tail", "sum.suite.toml[N=65]", "the shader deviates from its reference: `total[0]` is"),
     ("sum_barrier", "sum.suite.toml[N=64]", "sum_barrier.comp:18:28: race on `part["),
+    // Right at all sizes but the large one.
+    ("sum_sixteen_bits", "sum.suite.toml[N=70001]", "the shader deviates from its reference: `total[0]` is"),
     ("dot_copy", "dot.suite.toml[N=31]", "the shader deviates from its reference: `product[0]` is"),
     ("scan_off_by_one", "scan.suite.toml[N=1]", "the shader deviates from its reference: `sums[0]` is 0, expected 1"),
     // Two blocks are summed right, three are not.
@@ -185,8 +187,34 @@ fn kernels_without_a_fault_pass_on_the_interpreter_and_on_a_device() {
     for lane in ["embedded", "vulkan"] {
         let ran = run_in(root(), &format!("check shaders/kernels --lane {lane} --samples 16")).expect(0);
         let passed = ran.out.lines().filter(|line| line.starts_with("ok ")).count();
-        assert_eq!(passed, 88, "{lane}\n{}", ran.out);
+        assert_eq!(passed, 106, "{lane}\n{}", ran.out);
         assert!(ran.out.contains(" 0 deviated"), "{}", ran.out);
+    }
+}
+
+/// Twins in sizes in which each word is judged by itself: what was found small is found large.
+const LARGE: [(&str, &str, &str); 6] = [
+    ("sum_zeros", "sum.suite.toml[N=70001]", "the shader deviates from its reference: `total[0]` is 0.0"),
+    ("sum_tail", "sum.suite.toml[N=70001]", "the shader deviates from its reference: `total[0]` is"),
+    ("sum_barrier", "sum.suite.toml[N=70001]", "sum_barrier.comp:18:28: race on `part["),
+    ("scan_carry", "scan.suite.toml[N=5003]", "the shader deviates from its reference: `sums[128]` is"),
+    ("dot_copy", "dot.suite.toml[N=4111]", "the shader deviates from its reference: `product[0]` is"),
+    ("skinning_first", "skinning.suite.toml[N=1031]", "the shader deviates from its reference: `skinned[0]"),
+];
+
+#[test]
+fn large_dispatches_find_what_small_ones_find() {
+    for (twin, suite, reported) in LARGE {
+        let shader = format!("fixtures/kernels/twins/{twin}.comp");
+        let command = format!("check shaders/kernels/{suite} --shader {shader} --lane embedded --samples 2");
+        let ran = run_in(root(), &command).expect(1);
+        assert!(ran.out.contains(reported), "{twin}\n{}", ran.out);
+    }
+    // Whose fault only a large size shows.
+    let shader = "fixtures/kernels/twins/sum_sixteen_bits.comp";
+    for (size, status) in [(97, 0), (70_001, 1)] {
+        run_in(root(), &format!("check shaders/kernels/sum.suite.toml[N={size}] --shader {shader} --lane embedded"))
+            .expect(status);
     }
 }
 

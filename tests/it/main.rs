@@ -28,6 +28,7 @@ mod interrupt;
 mod json;
 mod kernels;
 mod kubernetes;
+mod large_dispatches;
 mod lint_cli;
 mod lists;
 mod lowering;

@@ -6,6 +6,7 @@
 //! `embedded-half` is the same as a phone may be: what is `mediump` or `lowp` is binary16.
 
 use base::value::Batch;
+use program::interp::group::InMemory;
 use program::interp::{self, Binary32, Executable, Half, HazardKind, Meaning};
 use program::{Form, Kernel, OutputLayout};
 
@@ -98,12 +99,39 @@ impl Runner for EmbeddedRunner {
 
     fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
         self.count_of(batch, "invocations")?;
+        if self.executable.whole().is_some() {
+            return dispatched((&self.executable, &self.layout), batch, 0, Binary32::default);
+        }
         let meaning = match self.half {
             true => self.executable.run::<Half>(batch, interp::FUEL),
             false => self.executable.run::<Binary32>(batch, interp::FUEL),
         };
         accepted(&self.layout, &meaning.map_err(|error| LaneError::Api(error.to_string()))?)
     }
+}
+
+/// What a lane made of the interpreter wrote in large dispatches, each in an order and in a domain whose numbers are binary32.
+///
+/// # Errors
+/// [`LaneError::Endless`] when a loop goes on for longer than any loop may.
+pub fn dispatched<D: InMemory>(
+    (executable, layout): (&Executable, &OutputLayout),
+    batch: &Batch,
+    order: u64,
+    domain: impl Fn() -> D,
+) -> Result<Actual, LaneError> {
+    let (marks, count) = (Marks::random(), batch.invocation_count());
+    let mut words = vec![marks.sentinel; layout.words() * count];
+    for (invocation, record) in words.chunks_exact_mut(layout.words()).enumerate() {
+        let ran = executable.run_whole(batch, invocation, order, &domain);
+        let ran = ran.map_err(|error| LaneError::Api(error.to_string()))?;
+        if !ran.whole {
+            return Err(LaneError::Endless { invocation, count, rounds: interp::FUEL });
+        }
+        record[0] = marks.canary ^ invocation as u32;
+        record[layout.header_words()..][..ran.words.len()].copy_from_slice(&ran.words);
+    }
+    Actual::accept(layout, words, count, marks)
 }
 
 /// What a lane made of the interpreter wrote: the records of all invocations.

@@ -33,7 +33,14 @@ pub struct Dispatched {
     pub groups: [u32; 3],
     /// The module before its buffers got lengths, with what the validator found out about it.
     pub host: Arc<(Module, ModuleInfo)>,
+    /// Its buffers hold so much that its invocations are run side by side, and what is known of a word goes with the word,
+    /// in place of one program whose code is written for each invocation.
+    pub large: bool,
 }
+
+/// Words of all buffers from which on a dispatch is large. Below, bounds are as tight as for any other program, and a failure
+/// is shrunk; the work grows with the product of invocations and outputs.
+const LARGE: usize = 1 << 12;
 
 impl Program {
     /// Names of the buffers that a dispatch takes, in order; true for those that are as long as their host makes them.
@@ -138,8 +145,24 @@ impl Program {
         self.info = checked(&module)?;
         self.module = module;
         self.instrumented = true;
-        self.dispatch = Some(Arc::new(Dispatched { groups: dispatch.groups, host }));
+        let words: usize =
+            [&self.inputs, &self.outputs].into_iter().flatten().map(|port| port.field.shape.words()).sum();
+        self.dispatch = Some(Arc::new(Dispatched { groups: dispatch.groups, host, large: words >= LARGE }));
         Ok(self)
+    }
+
+    /// True for a dispatch whose invocations are run side by side: see [`Dispatched::large`].
+    pub fn is_large(&self) -> bool {
+        self.dispatch.as_ref().is_some_and(|dispatch| dispatch.large)
+    }
+
+    /// A dispatch that is compared with a large one, or with one that is not, is run in the same way.
+    #[must_use]
+    pub fn run_as(mut self, other: &Self) -> Self {
+        if let Some(dispatch) = &mut self.dispatch {
+            Arc::make_mut(dispatch).large = other.is_large();
+        }
+        self
     }
 }
 

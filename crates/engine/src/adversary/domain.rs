@@ -21,13 +21,13 @@ pub struct Adversary {
     /// What has no promise to break is done as the interpreter does it.
     strict: Binary32,
     /// Names the inputs of each slot.
-    invocations: Vec<u64>,
+    pub(super) invocations: Vec<u64>,
 }
 
 /// One number for each slot, and what it was before it was rounded.
 #[derive(Clone, Debug, Default)]
 pub struct Column {
-    values: Numbers<f32>,
+    pub(super) values: Numbers<f32>,
     /// Exact products; NaN in slots where the number is none. Empty where none is.
     products: Vec<f64>,
     /// For the factor of `normalize` that is the inverse of a length: these lengths.
@@ -49,7 +49,7 @@ impl Column {
     }
 
     /// Forgets what the numbers were before.
-    fn rounded(&mut self) {
+    pub(super) fn rounded(&mut self) {
         self.products.clear();
         self.lengths.clear();
     }

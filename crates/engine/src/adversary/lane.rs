@@ -94,6 +94,7 @@ impl Lane for AdversaryLane {
         Ok(Box::new(AdversaryRunner {
             executable,
             device: Arc::new(self.device.clone()),
+            order: mix(self.seed, 2),
             layout: kernel.output.clone(),
             capacity: capacity.max(1),
         }))
@@ -103,6 +104,8 @@ impl Lane for AdversaryLane {
 struct AdversaryRunner {
     executable: Executable,
     device: Arc<Device>,
+    /// Of workgroups, and of their invocations at memory.
+    order: u64,
     layout: OutputLayout,
     capacity: usize,
 }
@@ -115,6 +118,9 @@ impl Runner for AdversaryRunner {
     fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
         self.count_of(batch, "invocations")?;
         let domain = || Adversary::new(Arc::clone(&self.device));
+        if self.executable.whole().is_some() {
+            return embedded::dispatched((&self.executable, &self.layout), batch, self.order, domain);
+        }
         let meaning = self.executable.run_with(batch, interp::FUEL, domain);
         embedded::accepted(&self.layout, &meaning.map_err(|error| LaneError::Api(error.to_string()))?)
     }

@@ -15,6 +15,7 @@ mod domain;
 mod lane;
 #[cfg(test)]
 mod lowered;
+mod memory;
 #[cfg(test)]
 mod programs;
 #[cfg(test)]

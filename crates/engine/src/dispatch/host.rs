@@ -277,6 +277,8 @@ impl Dispatched {
             outside,
             fuel: FUEL,
             work: WORK,
+            watched: true,
+            order: 0,
         })
     }
 }

@@ -2,7 +2,7 @@
 
 use base::value::Batch;
 use program::interp::group::{Buffer, Space, Wrong};
-use program::{Form, Kernel, Program, UniformPlace};
+use program::{Form, Kernel, Program};
 
 use super::Dispatched;
 use super::host::Scenario;
@@ -21,20 +21,10 @@ pub fn open_meaning(author: &Program, kernel: &Kernel, batch: &Batch) -> Result<
     let subject = subject?;
     let mut met: Vec<Met> = Vec::new();
     for k in 0..batch.invocation_count() {
-        let (size, of_case) = (batch.invocation_record.words(), batch.case_record.words());
-        let invocation = &batch.invocations[k * size..][..size];
-        let case = &batch.cases[k / batch.per_case.max(1) * of_case..][..of_case];
         let mut bound = buffers.iter();
         let memories = subject.executable.memories().iter().map(|shape| {
             let about = if shape.space == Space::Workgroup { None } else { bound.next() };
-            let Some(about) = about else { return Buffer { words: Vec::new(), elements: 0 } };
-            let mut words = vec![0; about.bytes as usize / 4];
-            let record = if about.uniform { case } else { invocation };
-            for &UniformPlace { word, byte } in &about.before {
-                words[byte as usize / 4] = record[word as usize];
-            }
-            let elements = shape.array.as_ref().map_or(0, |array| (words.len() as u32 - array.offset) / array.stride);
-            Buffer { words, elements }
+            about.map_or_else(Buffer::default, |about| about.filled(shape, batch, k))
         });
         let buffers = memories.collect();
         let scenario = Scenario { groups: *groups, buffers, settings: Vec::new(), surplus: 0 };

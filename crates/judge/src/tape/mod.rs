@@ -22,6 +22,7 @@ mod inherited;
 mod inside;
 mod kernels;
 pub mod lowered;
+mod memory;
 mod model;
 mod operations;
 mod regroup;
@@ -39,6 +40,7 @@ use program::interp::{
 
 use arena::{Arena, Id, MOST, Meta, NodeKind, Slots};
 pub use decay::FADED;
+pub use memory::Cell;
 pub use model::Model;
 pub(crate) use model::gap;
 pub use sweep::Bounds;

@@ -27,6 +27,8 @@ pub(super) struct Tangents {
     /// For each node, the slots in which nothing bounds it.
     open: Vec<Open>,
     pub(super) held: Held,
+    /// Radii alone are wanted, and no displacements.
+    still: bool,
 }
 
 /// Slots in which nothing bounds a node.
@@ -124,6 +126,13 @@ impl Tape<'_> {
         Self { tangents: Some(Tangents::default()), ..self }
     }
 
+    /// The same tape with radii alone, of what registers hold: what a program without an end on the number of its operations
+    /// needs.
+    #[must_use]
+    pub fn with_radii(self) -> Self {
+        Self { tangents: Some(Tangents { still: true, ..Tangents::default() }), ..self }
+    }
+
     fn tangents(&self) -> &Tangents {
         self.tangents.as_ref().expect("the tape was made without displacements")
     }
@@ -164,6 +173,9 @@ impl Tape<'_> {
 
     /// The displacement of a new node, whose other columns are complete.
     pub(super) fn move_on(&mut self, id: Id) {
+        if self.tangents.as_ref().is_none_or(|tangents| tangents.still) {
+            return;
+        }
         let Some(mut tangents) = self.tangents.take() else { return };
         let (moves, open) = (tangents.follow(&self.arena, self.model.is_rearranged(), id), self.open_at(&tangents, id));
         let nodes = self.arena.nodes.len();

@@ -29,6 +29,7 @@ mod translation;
 mod undefined;
 mod unlike;
 mod used;
+mod whole;
 
 pub use batch::{BatchVerdict, Doubts, Failure, judge_at, judge_batch, judge_each};
 pub use closeup::{Closeup, Seen, closeups};
@@ -49,3 +50,4 @@ pub use translation::{CompareError, Comparison, Difference, TranslationDeviation
 pub use undefined::dependences;
 pub use unlike::unlike;
 pub use used::{Used, used};
+pub use whole::{judge_whole, work_of_whole};

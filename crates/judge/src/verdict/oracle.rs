@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use crate::profile::Promises;
-use crate::tape::{Literal, Model, Tape};
+use crate::tape::{Cell, Literal, Model, Tape};
 use base::value::Batch;
 use program::Program;
+use program::interp::group::Ran;
 use program::interp::{self, Binary64, Executable, FUEL, InterpError, Machine, SLOTS};
 use program::lane::Stage;
 
@@ -156,6 +157,33 @@ impl Oracle {
     /// A machine with bounds for devices that knows at once how far outputs may surely be off.
     pub(super) fn moving_tape<'p>(&'p self, model: Model<'p>) -> Machine<'p, Tape<'p>> {
         Machine::new(&self.executable, Tape::new(model).with_literals(&self.folded).with_tangents(), self.fuel)
+    }
+
+    /// What a large dispatch means: literals as their author wrote them.
+    ///
+    /// # Errors
+    /// As of [`Executable::run_whole`].
+    pub(super) fn plain_whole(&self, batch: &Batch, invocation: usize) -> Result<Ran<f64>, InterpError> {
+        let plain = || self.ideal.clone().map_or_else(Binary64::default, Binary64::with_literals);
+        self.executable.run_whole(batch, invocation, 0, plain)
+    }
+
+    /// The same with how far binary64 is from it.
+    ///
+    /// # Errors
+    /// As of [`Executable::run_whole`].
+    pub(super) fn ideal_whole(&self, batch: &Batch, invocation: usize) -> Result<Ran<Cell>, InterpError> {
+        let tape = || Tape::new(Model::Binary64).with_literals(&self.literals).with_radii();
+        self.executable.run_whole(batch, invocation, 0, tape)
+    }
+
+    /// The same with how far a device may be from it.
+    ///
+    /// # Errors
+    /// As of [`Executable::run_whole`].
+    pub(super) fn whole(&self, model: Model<'_>, batch: &Batch, invocation: usize) -> Result<Ran<Cell>, InterpError> {
+        let tape = || Tape::new(model).with_literals(&self.folded).with_radii();
+        self.executable.run_whole(batch, invocation, 0, tape)
     }
 
     /// A machine with bounds for devices.

@@ -567,6 +567,8 @@ pub struct Executable {
     pub(super) memories: Vec<MemoryShape>,
     /// Built-in values of the entry point, with their registers.
     pub(super) numbers: Vec<(naga::BuiltIn, Vec<Register>)>,
+    /// How it is run where it is a large dispatch.
+    pub(super) whole: Option<Arc<super::group::Whole>>,
 }
 
 impl Executable {

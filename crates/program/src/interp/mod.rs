@@ -30,6 +30,8 @@ mod slots;
 mod tests;
 mod undefined;
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -146,6 +148,11 @@ fn compile_as(program: &Program, lowered: bool) -> Result<Executable, InterpErro
         let span = naga::Span::new(part(found.span.start), part(found.span.end));
         return Err(InterpError::Unsupported { what: found.message.to_string(), span });
     }
+    if let Some(dispatch) = program.dispatch.as_deref().filter(|dispatch| dispatch.large) {
+        let executable = compile_memory(program, &dispatch.host.0, &dispatch.host.1)?;
+        let whole = group::Whole::of(program, &executable)?;
+        return Ok(Executable { whole: Some(Arc::new(whole)), ..executable });
+    }
     let bindings = |ports: &[Port]| ports.iter().map(Binding::from).collect::<Vec<_>>();
     let executable = Executable::compile(&Subject {
         module: &program.module,
@@ -171,9 +178,17 @@ fn compile_as(program: &Program, lowered: bool) -> Result<Executable, InterpErro
 /// # Errors
 /// [`InterpError::Unsupported`] for constructs that are not interpreted.
 pub fn compile_dispatch(program: &Program) -> Result<Executable, InterpError> {
+    compile_memory(program, &program.module, &program.info)
+}
+
+/// The same of a module that has the entry point of the program.
+fn compile_memory(
+    program: &Program,
+    module: &naga::Module,
+    info: &naga::valid::ModuleInfo,
+) -> Result<Executable, InterpError> {
     use naga::AddressSpace as Space;
-    let shared: Vec<_> = program
-        .module
+    let shared: Vec<_> = module
         .global_variables
         .iter()
         .filter(|(_, v)| {
@@ -183,8 +198,8 @@ pub fn compile_dispatch(program: &Program) -> Result<Executable, InterpError> {
         .collect();
     let built_ins = program.built_ins_of_entry();
     let executable = Executable::compile(&Subject {
-        module: &program.module,
-        info: &program.info,
+        module,
+        info,
         entry: program.entry,
         inputs: &[],
         uniforms: &[],

@@ -118,7 +118,7 @@ fn sizes(table: Table<'_>) -> Vec<Define> {
 }
 
 /// Elements of a buffer at most.
-const MOST: u64 = 1 << 14;
+const MOST: u64 = 1 << 24;
 
 /// Sizes of a range at which kernels go wrong: its ends, those around whole workgroups, and a prime number.
 fn awkward(from: u64, to: u64) -> Vec<u64> {

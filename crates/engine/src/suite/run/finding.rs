@@ -186,21 +186,21 @@ pub(super) fn tied(request: &Request, part: &Part, sample: &Sample, tied: Tied, 
     let message = deviation.message(against);
     let shrunk = unshrunk(sample.clone());
     let diagnosis = Diagnosis { position: Some(position), ..Diagnosis::default() };
-    let samples = request.samples.map_or_else(String::new, |samples| format!(" --samples {samples}"));
-    let quick = if request.quick { " --quick" } else { "" };
     Finding {
         kind: FindingKind::Deviation,
         message,
         case: Some(Case { diagnosis, against: against.into(), ..case(&prepared.program, &shrunk, Some(deviation)) }),
         count: 0,
-        reproduce: Some(format!(
-            "shadercheck check {} --lane {} {} --seed {}{samples}{quick}",
-            request.arguments,
-            part.lane,
-            argument((part.stage, part.source)),
-            request.seed
-        )),
+        reproduce: Some(rerun(request, part)),
     }
+}
+
+/// The command that does the same run again.
+pub(super) fn rerun(request: &Request, part: &Part) -> String {
+    let samples = request.samples.map_or_else(String::new, |samples| format!(" --samples {samples}"));
+    let quick = if request.quick { " --quick" } else { "" };
+    let (arguments, lane, way) = (&request.arguments, part.lane, argument((part.stage, part.source)));
+    format!("shadercheck check {arguments} --lane {lane} {way} --seed {}{samples}{quick}", request.seed)
 }
 
 /// Samples that were asked for one by one: they are reported as they are.

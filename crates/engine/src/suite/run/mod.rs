@@ -6,6 +6,7 @@ mod doubts;
 mod edges;
 mod finding;
 mod gallery;
+mod large;
 mod part;
 mod position;
 mod prepare;
@@ -258,6 +259,13 @@ fn run_default(
     let Some(kernel) = prepared.kernel(stage) else { return Ok(Some(unsupported())) };
     if kernel.output.is_empty() {
         return Ok(Some(unsupported().because(NO_OUTPUT.to_owned())));
+    }
+    let mut share = share;
+    if prepared.program.is_large() {
+        return match large::run(prepared, lane, (kernel, stage), wanted, request, &mut share, progress) {
+            Err(LaneError::Unsupported(why)) => Ok(Some(unsupported().because(printable(&why)))),
+            other => other,
+        };
     }
     match on_kernel(prepared, lane, (kernel, stage, source), (wanted, once), request, share, progress) {
         // Some lanes see only what comes out whether they can run it.

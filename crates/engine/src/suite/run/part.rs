@@ -271,7 +271,10 @@ impl Part {
 
     /// Compares the shader's translations as well, which is done once for a suite.
     pub fn check_translations(&mut self, prepared: &Prepared, request: &Request) {
-        super::check_translations(prepared, request, self);
+        // A lane runs the author's module; the translations of a dispatch are compared at the sizes at which it is small.
+        if !prepared.program.is_large() {
+            super::check_translations(prepared, request, self);
+        }
     }
 
     /// True for a part of the same suite on the same stage of the same lane.

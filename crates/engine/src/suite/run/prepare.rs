@@ -207,8 +207,9 @@ pub fn prepare_with(
     };
     let plan = Arc::new(plan);
     if let Some(author) = author {
+        let pilot = if program.is_large() { 1 } else { PILOT };
         let batch =
-            Sampler::new(plan.clone(), super::DEFAULT_SEED).batch(0, PILOT.div_ceil(suite.per_case), suite.per_case);
+            Sampler::new(plan.clone(), super::DEFAULT_SEED).batch(0, pilot.div_ceil(suite.per_case), suite.per_case);
         let unread = |what| RunError::Program { suite: name(), source: ProgramError::Unsupported { what } };
         let found = open_meaning(&author, &compute, &batch).map_err(unread)?;
         if !found.is_empty() {
@@ -393,6 +394,7 @@ fn expected(suite: &Suite, shader: &SourceFile, program: &Program) -> Result<Exp
                 };
                 RunError::ReferenceProgram { suite: name(), source }
             })?;
+            model = model.run_as(program);
             // A reference may do without some of them.
             super::super::textures::bind(suite, &mut model, false)
                 .map_err(|source| RunError::Texture { suite: name(), source })?;

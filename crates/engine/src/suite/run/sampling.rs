@@ -18,7 +18,7 @@ use property::{Sample, Sampler};
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Sampled {
     /// The first case that is still to do.
-    next: u64,
+    pub(super) next: u64,
     pub(super) counted: Counted,
 }
 

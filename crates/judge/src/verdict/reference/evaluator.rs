@@ -4,8 +4,8 @@ use super::model::Model;
 use super::{Expected, Reference, ReferenceKind, given};
 use crate::tape::Tape;
 use crate::verdict::second_pass::{TWO_WAYS, USELESS_64};
-use base::value::Batch;
-use program::interp::{Binary64, Domain, Machine, Number, OutputColumn, POISON, SLOTS};
+use base::value::{Batch, Scalar};
+use program::interp::{Binary64, Domain, InterpError, Machine, Number, OutputColumn, POISON, SLOTS};
 
 /// Gives what is expected, for up to [`SLOTS`] invocations at a time.
 pub(in crate::verdict) struct Evaluator<'a> {
@@ -85,6 +85,58 @@ impl<'a> Evaluator<'a> {
             ReferenceKind::Recorded(recorded) => recorded.eval(batch, invocation, expected),
             ReferenceKind::Nothing => expected.clear(),
         }
+    }
+}
+
+impl Reference {
+    /// What is expected of an invocation that is a large dispatch; `bounded` with how far that may be off: infinitely where a
+    /// decision may go either way, or a loop does not end.
+    ///
+    /// # Errors
+    /// [`InterpError`] for a reference that is no large dispatch.
+    pub(in crate::verdict) fn expect_whole(
+        &self,
+        batch: &Batch,
+        invocation: usize,
+        bounded: bool,
+    ) -> Result<Expected, InterpError> {
+        let mut expected = Expected::default();
+        let ReferenceKind::Model(model) = &self.source else {
+            let mut evaluator = Evaluator::with(self, bounded);
+            evaluator.turn_to(batch, &[invocation]);
+            evaluator.expected(batch, invocation, 0, &mut expected);
+            return Ok(expected);
+        };
+        let own = model.batch(batch, &[invocation]);
+        let words = || model.outputs.iter().cloned().flatten();
+        let exact = |ran: &[u32], word: usize| <f64 as Number>::exact(ran[word], model.scalar_of(word));
+        let is_real = |word: usize| model.scalar_of(word) == Scalar::F32;
+        if !bounded {
+            let ran = model.oracle.plain_whole(&own, 0)?;
+            let value = |word| if is_real(word) { ran.cells[word] } else { exact(&ran.words, word) };
+            expected.words = words().map(value).collect();
+            return Ok(expected);
+        }
+        let ran = model.oracle.ideal_whole(&own, 0)?;
+        for word in words() {
+            let cell = ran.cells[word];
+            let (value, radius) = match is_real(word) {
+                true => (cell.value, TWO_WAYS * cell.radius),
+                false => (exact(&ran.words, word), 0.0),
+            };
+            expected.words.push(value);
+            expected.slack.push(if ran.open[word] || !ran.whole { f64::INFINITY } else { radius });
+        }
+        Ok(expected)
+    }
+
+    /// Rounds of loops that it takes to say what is expected of an invocation that is a large dispatch.
+    ///
+    /// # Errors
+    /// [`InterpError`] for a reference that is no large dispatch.
+    pub(in crate::verdict) fn rounds_of_whole(&self, batch: &Batch, invocation: usize) -> Result<u64, InterpError> {
+        let ReferenceKind::Model(model) = &self.source else { return Ok(0) };
+        Ok(model.oracle.plain_whole(&model.batch(batch, &[invocation]), 0)?.rounds)
     }
 }
 

@@ -214,6 +214,7 @@ impl<'m> Compiler<'m> {
                 draft: Arc::default(),
                 memories: Vec::new(),
                 numbers: Vec::new(),
+                whole: None,
             },
             sites: HashMap::new(),
             constant_sites: HashMap::new(),

@@ -1,27 +1,102 @@
 //! Loads, stores and atomic functions of a workgroup.
 
-use super::super::code::{File, Register};
-use super::super::domain::Domain;
-use super::super::plain::{Column, Number, Plain};
-use super::super::slots::SLOTS;
+use super::super::code::{File, Reg, Register};
+use super::super::slots::{Mask, SLOTS};
 use super::access::{Combine, MemoryAccess, MemoryOp};
+use super::cells::InMemory;
 use super::memory::{Access, Incident, Party, Wrong};
-use super::{Group, Space};
+use super::{Group, Space, placed};
 use base::value::Scalar;
 
-impl<'e, N: Number> Group<'e, '_, N>
-where
-    Plain<N>: Domain<Column = Column<N>>,
-{
+impl<'e, D: InMemory> Group<'e, '_, D> {
     /// Carries out an access in all invocations that are here, one after the other.
     pub(super) fn access(&mut self, access: &'e MemoryAccess) {
-        for k in 0..self.machines.len() {
+        self.notice_doubts();
+        let (count, order) = (self.machines.len(), self.dispatch.order);
+        for k in (0..count).map(|k| placed(k, count, order)) {
             let active = self.machines[k].active;
-            for slot in active.slots() {
+            if active.is_empty() {
+                continue;
+            }
+            if let MemoryOp::Load(parts) = &access.op {
+                self.load(access, k, parts);
+                continue;
+            }
+            for slot in (0..SLOTS).map(|slot| placed(slot, SLOTS, order)).filter(|&slot| active.has(slot)) {
                 let place = self.place(access, k, slot);
                 self.one(access, k, slot, place);
             }
         }
+    }
+
+    /// Loads of all invocations of a machine: what is outside reads as the dispatch says.
+    fn load(&mut self, access: &MemoryAccess, k: usize, parts: &[(Register, u32)]) {
+        let active = self.machines[k].active;
+        let memory = access.memory as usize;
+        let outside = D::cell(self.dispatch.outside);
+        let touch = if access.atomic { Access::Atomic } else { Access::Read };
+        let mut cells = vec![[outside; SLOTS]; parts.iter().filter(|(to, _)| to.file() == File::Real).count()];
+        let mut open = Mask::NONE;
+        for slot in active.slots() {
+            let place = self.place(access, k, slot);
+            let mut reals = 0;
+            for (to, at) in parts {
+                let word = place.map(|place| place + *at as usize).filter(|word| *word < self.contents[memory].len());
+                if let Some(word) = word {
+                    self.unwritten(access, k, slot, word);
+                    self.touch(access, k, slot, word, touch, false);
+                    if self.contents[memory].is_open(word) {
+                        open.insert(slot);
+                    }
+                }
+                let contents = &self.contents[memory];
+                match to.file() {
+                    File::Real => {
+                        if let Some(word) = word {
+                            cells[reals][slot] = contents.real(word);
+                        }
+                        reals += 1;
+                    }
+                    File::Word => {
+                        let bits = word.map_or(self.dispatch.outside, |word| contents.bits(word));
+                        let bits = if to.scalar == Scalar::Bool { u32::from(bits != 0) } else { bits };
+                        self.machines[k].words[to.reg as usize][slot] = bits;
+                    }
+                }
+            }
+        }
+        let machine = &mut self.machines[k];
+        let registers = parts.iter().map(|(to, _)| to).filter(|to| to.file() == File::Real);
+        for (to, cells) in registers.zip(&cells) {
+            let mut out = std::mem::take(&mut machine.reals[to.reg as usize]);
+            machine.domain.put(&active, cells, &mut out);
+            machine.reals[to.reg as usize] = out;
+        }
+        if !open.is_empty() {
+            machine.domain.doubt(access.site, &open);
+        }
+    }
+
+    /// Where an invocation decided what could have gone the other way, it may have written elsewhere.
+    pub(super) fn notice_doubts(&mut self) {
+        if self.doubts_noticed {
+            return;
+        }
+        let Some(site) = self.machines.iter().find_map(|machine| machine.domain.first_doubt()) else { return };
+        self.doubts_noticed = true;
+        self.doubted.get_or_insert(site);
+        let executable = self.executable;
+        let astray = self.astray.get_or_insert_with(|| executable.led_by_reals());
+        let led = astray.iter().zip(&mut self.contents).filter(|(astray, _)| **astray);
+        led.for_each(|(_, contents)| contents.open_all());
+    }
+
+    /// Whether nothing is known of what a slot writes to a memory.
+    fn is_open(&self, memory: usize, k: usize, slot: usize) -> bool {
+        let Some(astray) = &self.astray else { return false };
+        // The memory of a workgroup is its own.
+        let apart = self.contents[memory].space == Space::Workgroup && !self.doubts_noticed;
+        (astray[memory] && !apart) || self.machines[k].domain.doubted(slot).is_some()
     }
 
     /// The word that an invocation means; `None` where an index leads out of its array.
@@ -57,14 +132,9 @@ where
     }
 
     fn one(&mut self, access: &MemoryAccess, k: usize, slot: usize, place: Option<usize>) {
-        // What is outside reads as the dispatch says, and is not written.
+        // What is outside is not written.
         match &access.op {
-            MemoryOp::Load(parts) => {
-                for (to, at) in parts {
-                    let word = place.map(|place| place + *at as usize);
-                    self.read(access, k, slot, word, *to);
-                }
-            }
+            MemoryOp::Load(_) => {}
             MemoryOp::Store(parts) => {
                 for (from, at) in parts {
                     if let Some(place) = place {
@@ -73,59 +143,68 @@ where
                 }
             }
             MemoryOp::Atomic { op, value, compare, before, exchanged } => {
-                let word = place.filter(|word| *word < self.contents[access.memory as usize].len());
-                let old = word.map_or(0, |word| self.contents[access.memory as usize].bits(word));
-                let machine = &self.machines[k];
-                let bits = |register: Register| match register.file() {
-                    File::Real => (machine.reals[register.reg as usize].values()[slot].widen() as f32).to_bits(),
-                    File::Word => machine.words[register.reg as usize][slot],
-                };
-                let argument = bits(*value);
-                let expected = compare.map(|reg| bits(Register { reg, ..*value }));
-                let hit = expected.is_none_or(|expected| expected == old);
-                if let Some(word) = word {
-                    self.unwritten(access, k, slot, word);
-                    self.touch(access, k, slot, word, Access::Atomic, true);
-                    let new = if hit { combine(*op, value.scalar, old, argument) } else { old };
-                    self.contents[access.memory as usize].set_bits(word, new);
-                }
-                let machine = &mut self.machines[k];
-                if let Some(to) = before {
-                    match to.file() {
-                        File::Word => machine.words[to.reg as usize][slot] = old,
-                        File::Real => {
-                            let number = N::nearest(f64::from(f32::from_bits(old)));
-                            machine.reals[to.reg as usize].values_mut()[slot] = number;
-                        }
-                    }
-                }
-                if let Some(to) = exchanged {
-                    machine.words[*to as usize][slot] = u32::from(hit);
-                }
+                self.atomic(access, (k, slot), place, (*op, *value, *compare), (*before, *exchanged));
             }
         }
     }
 
-    fn read(&mut self, access: &MemoryAccess, k: usize, slot: usize, word: Option<usize>, to: Register) {
-        let word = word.filter(|word| *word < self.contents[access.memory as usize].len());
+    /// An atomic function: the word before goes to one register, whether it was exchanged to another.
+    fn atomic(
+        &mut self,
+        access: &MemoryAccess,
+        (k, slot): (usize, usize),
+        place: Option<usize>,
+        (op, value, compare): (Combine, Register, Option<Reg>),
+        (before, exchanged): (Option<Register>, Option<Reg>),
+    ) {
+        let memory = access.memory as usize;
+        let word = place.filter(|word| *word < self.contents[memory].len());
+        let machine = &self.machines[k];
+        let real = |reg: Reg| machine.domain.kept(&machine.reals[reg as usize], slot);
+        let bits = |register: Register| match register.file() {
+            File::Real => D::bits(real(register.reg)),
+            File::Word => machine.words[register.reg as usize][slot],
+        };
+        let old = word.map_or(0, |word| self.contents[memory].bits(word));
+        let old_real = word.map_or(D::cell(0), |word| self.contents[memory].real(word));
+        let argument = bits(value);
+        let expected = compare.map(|reg| bits(Register { reg, ..value }));
+        let hit = expected.is_none_or(|expected| expected == old);
+        let sum = (value.file() == File::Real).then(|| op.of_reals().map(|sum| (sum, real(value.reg)))).flatten();
         if let Some(word) = word {
             self.unwritten(access, k, slot, word);
-            let touch = if access.atomic { Access::Atomic } else { Access::Read };
-            self.touch(access, k, slot, word, touch, false);
+            self.touch(access, k, slot, word, Access::Atomic, true);
+            let open = self.contents[memory].is_open(word) || self.is_open(memory, k, slot);
+            match sum {
+                Some((sum, own)) if hit => {
+                    self.contents[memory].set_real(word, D::combined(sum, old_real, own), open);
+                }
+                _ => {
+                    let new = if hit { combine(op, value.scalar, old, argument) } else { old };
+                    self.contents[memory].set_bits(word, new, open);
+                }
+            }
+            if open && before.is_some() {
+                let mut only = Mask::NONE;
+                only.insert(slot);
+                self.machines[k].domain.doubt(access.site, &only);
+            }
         }
-        let contents = &self.contents[access.memory as usize];
         let machine = &mut self.machines[k];
-        match to.file() {
-            File::Real => {
-                let outside = || N::nearest(f64::from(f32::from_bits(self.dispatch.outside)));
-                let value = word.map_or_else(outside, |word| contents.real(word));
-                machine.reals[to.reg as usize].values_mut()[slot] = value;
+        if let Some(to) = before {
+            match to.file() {
+                File::Word => machine.words[to.reg as usize][slot] = old,
+                File::Real => {
+                    let mut only = Mask::NONE;
+                    only.insert(slot);
+                    let mut out = std::mem::take(&mut machine.reals[to.reg as usize]);
+                    machine.domain.put(&only, &[old_real; SLOTS], &mut out);
+                    machine.reals[to.reg as usize] = out;
+                }
             }
-            File::Word => {
-                let bits = word.map_or(self.dispatch.outside, |word| contents.bits(word));
-                machine.words[to.reg as usize][slot] =
-                    if to.scalar == Scalar::Bool { u32::from(bits != 0) } else { bits };
-            }
+        }
+        if let Some(to) = exchanged {
+            machine.words[to as usize][slot] = u32::from(hit);
         }
     }
 
@@ -135,18 +214,20 @@ where
             return;
         }
         let touch = if access.atomic { Access::Atomic } else { Access::Write };
+        let open = self.is_open(memory, k, slot);
         match from.file() {
             File::Real => {
-                let value = self.machines[k].reals[from.reg as usize].values()[slot];
-                let changes = (value.widen() as f32).to_bits() != self.contents[memory].bits(word);
+                let machine = &self.machines[k];
+                let value = machine.domain.kept(&machine.reals[from.reg as usize], slot);
+                let changes = D::bits(value) != self.contents[memory].bits(word);
                 self.touch(access, k, slot, word, touch, changes);
-                self.contents[memory].set_real(word, value);
+                self.contents[memory].set_real(word, value, open);
             }
             File::Word => {
                 let bits = self.machines[k].words[from.reg as usize][slot];
                 let changes = bits != self.contents[memory].bits(word);
                 self.touch(access, k, slot, word, touch, changes);
-                self.contents[memory].set_bits(word, bits);
+                self.contents[memory].set_bits(word, bits, open);
             }
         }
     }

@@ -86,6 +86,29 @@ impl Executable {
         }
     }
 
+    /// For each memory, whether real numbers that lie in memory have a say in where it is written: a device that decides
+    /// the other way for a rounding may write elsewhere.
+    pub(super) fn led_by_reals(&self) -> Vec<bool> {
+        let is_real = |leaf: &super::Leaf| leaf.scalar == base::value::Scalar::F32;
+        let holds_reals: Vec<bool> = self
+            .memories
+            .iter()
+            .map(|shape| shape.fixed.iter().chain(shape.array.iter().flat_map(|array| &array.leaves)).any(is_real))
+            .collect();
+        let depends = self.depends();
+        let mut led = vec![false; self.memories.len()];
+        let mut look = |inst: &Inst| {
+            if let Inst::Memory(access) = inst
+                && !matches!(access.op, MemoryOp::Load(_))
+            {
+                let by = depends.of(access.site);
+                led[access.memory as usize] |= holds_reals.iter().enumerate().any(|(k, real)| *real && by.has(k));
+            }
+        };
+        every(&self.body, &mut look);
+        led
+    }
+
     /// What the program does with memory.
     pub fn uses(&self) -> Uses {
         let mut uses = Uses::default();
@@ -282,6 +305,26 @@ fn any(body: &[Inst], is: &dyn Fn(&Inst) -> bool) -> bool {
                 _ => false,
             }
     })
+}
+
+/// Shows each instruction to `look`.
+fn every(body: &[Inst], look: &mut dyn FnMut(&Inst)) {
+    for inst in body {
+        look(inst);
+        match inst {
+            Inst::If { accept, reject, .. } => {
+                every(accept, look);
+                every(reject, look);
+            }
+            Inst::Switch { cases, .. } => cases.iter().for_each(|case| every(&case.body, look)),
+            Inst::Loop { body, continuing, .. } => {
+                every(body, look);
+                every(continuing, look);
+            }
+            Inst::Call { body } => every(body, look),
+            _ => {}
+        }
+    }
 }
 
 /// True for a block that some invocations leave before its end. What leaves a loop or a choice inside of it does not.

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::super::domain::Site;
-use super::super::plain::Number;
+use super::cells::InMemory;
 use super::shape::{MemoryShape, Space};
 
 /// Something that is wrong with how invocations use memory or wait for each other.
@@ -94,29 +94,32 @@ struct History {
 }
 
 /// One memory.
-pub(super) struct Contents<N> {
+pub(super) struct Contents<D: InMemory> {
     pub space: Space,
     /// Words as bits, and as numbers where a number was written.
     bits: Vec<u32>,
-    reals: Vec<N>,
+    reals: Vec<D::Cell>,
     written: Vec<bool>,
+    /// Who touched each word; empty where nobody asks.
     history: Vec<History>,
+    /// Words of which nothing is known, for a decision before them could have gone the other way.
+    open: Vec<bool>,
     /// Elements of the array at its end.
     pub elements: u32,
     /// Words up to the last one that was touched.
     pub reach: usize,
 }
 
-impl<N: Number> Contents<N> {
-    pub(super) fn new(shape: &MemoryShape, words: Vec<u32>, elements: u32, written: bool) -> Self {
-        let reals = words.iter().map(|&bits| N::nearest(f64::from(f32::from_bits(bits)))).collect();
+impl<D: InMemory> Contents<D> {
+    pub(super) fn new(shape: &MemoryShape, words: Vec<u32>, elements: u32, written: bool, watched: bool) -> Self {
         let len = words.len();
         Self {
             space: shape.space,
+            reals: words.iter().map(|&bits| D::cell(bits)).collect(),
             bits: words,
-            reals,
             written: vec![written; len],
-            history: vec![History::default(); len],
+            history: vec![History::default(); if watched { len } else { 0 }],
+            open: vec![false; len],
             elements,
             reach: 0,
         }
@@ -130,7 +133,7 @@ impl<N: Number> Contents<N> {
         self.bits[word]
     }
 
-    pub(super) fn real(&self, word: usize) -> N {
+    pub(super) fn real(&self, word: usize) -> D::Cell {
         self.reals[word]
     }
 
@@ -138,20 +141,30 @@ impl<N: Number> Contents<N> {
         self.written[word]
     }
 
-    pub(super) fn set_bits(&mut self, word: usize, bits: u32) {
+    pub(super) fn is_open(&self, word: usize) -> bool {
+        self.open[word]
+    }
+
+    pub(super) fn set_bits(&mut self, word: usize, bits: u32, open: bool) {
         self.bits[word] = bits;
-        self.reals[word] = N::nearest(f64::from(f32::from_bits(bits)));
-        self.written[word] = true;
+        self.reals[word] = D::cell(bits);
+        (self.written[word], self.open[word]) = (true, open);
     }
 
-    pub(super) fn set_real(&mut self, word: usize, value: N) {
-        self.bits[word] = (value.widen() as f32).to_bits();
+    pub(super) fn set_real(&mut self, word: usize, value: D::Cell, open: bool) {
+        self.bits[word] = D::bits(value);
         self.reals[word] = value;
-        self.written[word] = true;
+        (self.written[word], self.open[word]) = (true, open);
     }
 
-    pub(super) fn into_words(self) -> Vec<u32> {
-        self.bits
+    /// Nothing is known of any word from now on.
+    pub(super) fn open_all(&mut self) {
+        self.open.fill(true);
+    }
+
+    /// What is left: bits, numbers, and the words of which nothing is known.
+    pub(super) fn into_parts(self) -> (Vec<u32>, Vec<D::Cell>, Vec<bool>) {
+        (self.bits, self.reals, self.open)
     }
 }
 
@@ -178,9 +191,9 @@ impl Log {
     }
 
     /// Notes an access, and whether it meets another one. `changes` is false for a write of what the word holds.
-    pub(super) fn touch<N>(
+    pub(super) fn touch<D: InMemory>(
         &mut self,
-        memory: (u32, &mut Contents<N>),
+        memory: (u32, &mut Contents<D>),
         word: usize,
         party: Party,
         epoch: u32,
@@ -194,7 +207,7 @@ impl Log {
         if shared && party.access == Access::Atomic {
             self.atomics.insert(party.group, self.time);
         }
-        if contents.space == Space::Uniform {
+        if contents.space == Space::Uniform || contents.history.is_empty() {
             return;
         }
         let history = &mut contents.history[word];

@@ -10,26 +10,30 @@
 //! ```
 
 mod access;
+mod cells;
 mod contents;
 mod depends;
 mod memory;
 mod shape;
 #[cfg(test)]
 mod tests;
+mod whole;
 
 use naga::BuiltIn;
 
 use super::code::{Executable, Inst};
-use super::domain::{Domain, Site};
+use super::domain::Site;
 use super::machine::{Breakable, Machine};
 use super::meaning::{Finding, HazardKind};
 use super::plain::{Column, Number, Plain};
 use super::slots::{Mask, SLOTS};
 use crate::lane::interrupt;
 
+pub use cells::{InMemory, Sum};
 pub use depends::{Depends, Sources, Uses};
 pub use memory::{Access, Incident, Party, Wrong};
 pub use shape::{Array, Leaf, MemoryShape, Space};
+pub use whole::{Ran, Whole};
 
 pub(super) use access::{Combine, MemoryAccess, MemoryOp, Step};
 use memory::{Contents, Log};
@@ -51,6 +55,21 @@ pub struct Dispatch<'b> {
     pub fuel: u32,
     /// Rounds of loops that all invocations together may go through.
     pub work: u64,
+    /// Whether it is watched who touches which word; without that no race is found.
+    pub watched: bool,
+    /// Another order of the workgroups, and of the invocations of each at its memory, for each number; 0 for theirs.
+    pub order: u64,
+}
+
+/// The place of the k-th of some things in an order; each number but 0 names one in which others come first.
+fn placed(k: usize, count: usize, order: u64) -> usize {
+    if order == 0 || count < 2 {
+        return k;
+    }
+    let first = (order % count as u64) as usize;
+    let backwards = order / count as u64 % 2 == 1;
+    let k = if backwards { count - 1 - k } else { k };
+    (k + first) % count
 }
 
 /// The places along x, y and z of what is counted along x first.
@@ -78,6 +97,10 @@ pub struct Outcome {
     pub incidents: Vec<Incident>,
     /// Where invocations left the range of a type, by place; the invocation is counted through all workgroups.
     pub findings: Vec<Finding>,
+    /// The first decision that could have gone the other way; none in a domain that does not look.
+    pub doubted: Option<Site>,
+    /// How much work it was: rounds of loops, each for as many invocations as go side by side.
+    pub rounds: u64,
     /// False when the limit of work was met, or the run was asked to end.
     pub whole: bool,
 }
@@ -91,14 +114,26 @@ impl Executable {
     /// Runs a dispatch in numbers of one type.
     pub fn dispatch<N: Number>(&self, dispatch: &Dispatch<'_>) -> Outcome
     where
-        Plain<N>: Domain<Column = Column<N>>,
+        Plain<N>: InMemory<Column = Column<N>, Cell = N>,
     {
+        self.dispatch_in(dispatch, Plain::<N>::default).0
+    }
+
+    /// Runs a dispatch in a domain, with what each memory holds of it behind the dispatch.
+    pub fn dispatch_in<D: InMemory>(
+        &self,
+        dispatch: &Dispatch<'_>,
+        domain: impl Fn() -> D,
+    ) -> (Outcome, Vec<Left<D::Cell>>) {
         let size: u32 = dispatch.size.iter().product();
-        let machines =
-            (0..(size as usize).div_ceil(SLOTS)).map(|_| Machine::new(self, Plain::<N>::default(), 0)).collect();
+        let machines = (0..(size as usize).div_ceil(SLOTS)).map(|_| Machine::new(self, domain(), 0)).collect();
         let fill = |(shape, buffer): (&MemoryShape, &Buffer)| match shape.space {
-            Space::Workgroup => Contents::new(shape, vec![0; shape.words as usize], 0, dispatch.zeroed),
-            Space::Storage { .. } | Space::Uniform => Contents::new(shape, buffer.words.clone(), buffer.elements, true),
+            Space::Workgroup => {
+                Contents::new(shape, vec![0; shape.words as usize], 0, dispatch.zeroed, dispatch.watched)
+            }
+            Space::Storage { .. } | Space::Uniform => {
+                Contents::new(shape, buffer.words.clone(), buffer.elements, true, dispatch.watched)
+            }
         };
         let contents = self.memories.iter().zip(dispatch.buffers).map(fill).collect();
         let mut group = Group {
@@ -110,35 +145,48 @@ impl Executable {
             number: 0,
             epoch: 0,
             work: dispatch.work,
+            rounds: 0,
             findings: Vec::new(),
+            doubted: None,
+            astray: None,
+            doubts_noticed: false,
         };
         let count: u32 = dispatch.groups.iter().product();
-        for number in 0..count {
+        for k in 0..count {
             if !group.goes_on() {
                 break;
             }
-            group.run(number);
+            group.run(placed(k as usize, count as usize, dispatch.order) as u32);
         }
         let whole = group.goes_on();
-        Outcome {
-            reach: group.contents.iter().map(|contents| contents.reach).collect(),
-            contents: group.contents.into_iter().map(Contents::into_words).collect(),
-            incidents: group.log.into_incidents(),
-            findings: group.findings,
-            whole,
+        let reach = group.contents.iter().map(|contents| contents.reach).collect();
+        let (mut contents, mut left) = (Vec::new(), Vec::new());
+        for memory in group.contents {
+            let (bits, cells, open) = memory.into_parts();
+            contents.push(bits);
+            left.push(Left { cells, open });
         }
+        let (incidents, findings) = (group.log.into_incidents(), group.findings);
+        let (doubted, rounds) = (group.doubted, group.rounds);
+        (Outcome { contents, reach, incidents, findings, doubted, rounds, whole }, left)
     }
 }
 
+/// What a memory holds behind a dispatch, in the numbers of a domain.
+#[derive(Clone, Debug)]
+pub struct Left<C> {
+    /// Each word as a number.
+    pub cells: Vec<C>,
+    /// True for words of which nothing is known, for a decision before them could have gone the other way.
+    pub open: Vec<bool>,
+}
+
 /// A workgroup after the other.
-struct Group<'e, 'd, N: Number>
-where
-    Plain<N>: Domain<Column = Column<N>>,
-{
+struct Group<'e, 'd, D: InMemory> {
     executable: &'e Executable,
     dispatch: &'d Dispatch<'d>,
-    machines: Vec<Machine<'e, Plain<N>>>,
-    contents: Vec<Contents<N>>,
+    machines: Vec<Machine<'e, D>>,
+    contents: Vec<Contents<D>>,
     log: Log,
     /// Number of the workgroup.
     number: u32,
@@ -146,13 +194,18 @@ where
     epoch: u32,
     /// Rounds of loops that are left.
     work: u64,
+    /// Rounds so far, of all machines.
+    rounds: u64,
     findings: Vec<Finding>,
+    /// The first decision that could have gone the other way.
+    doubted: Option<Site>,
+    /// From then on, memories in which it may have been written elsewhere.
+    astray: Option<Vec<bool>>,
+    /// It was in this workgroup.
+    doubts_noticed: bool,
 }
 
-impl<'e, N: Number> Group<'e, '_, N>
-where
-    Plain<N>: Domain<Column = Column<N>>,
-{
+impl<'e, D: InMemory> Group<'e, '_, D> {
     fn goes_on(&self) -> bool {
         self.work > 0 && !interrupt::asked()
     }
@@ -161,19 +214,23 @@ where
     fn run(&mut self, number: u32) {
         self.number = number;
         self.epoch = 0;
+        self.doubts_noticed = false;
         let size: usize = self.dispatch.size.iter().map(|&n| n as usize).product();
         for (contents, shape) in self.contents.iter_mut().zip(&self.executable.memories) {
             if shape.space == Space::Workgroup {
-                *contents = Contents::new(shape, vec![0; shape.words as usize], 0, self.dispatch.zeroed);
+                let words = vec![0; shape.words as usize];
+                *contents = Contents::new(shape, words, 0, self.dispatch.zeroed, self.dispatch.watched);
             }
         }
         for (k, machine) in self.machines.iter_mut().enumerate() {
             machine.prepare((size - k * SLOTS).min(SLOTS));
             machine.fuel = [self.dispatch.fuel; SLOTS];
         }
+        self.rounds += self.machines.len() as u64;
         self.fill_numbers();
         let executable = self.executable;
         self.block(&executable.body);
+        self.notice_doubts();
         for (k, machine) in self.machines.iter_mut().enumerate() {
             for finding in machine.take_findings() {
                 let invocation = number as usize * size + k * SLOTS + finding.invocation;
@@ -323,6 +380,7 @@ where
                 machine.stopped = machine.stopped.or(stopped);
                 machine.active = machine.active.minus(stopped);
                 self.work = self.work.saturating_sub(machine.active.count() as u64);
+                self.rounds += u64::from(!machine.active.is_empty());
                 for (slot, fuel) in machine.fuel.iter_mut().enumerate() {
                     *fuel -= u32::from(machine.active.has(slot));
                 }
@@ -351,8 +409,8 @@ where
     /// Every invocation of the workgroup has to be here (WGSL, 17.11; GLSL 4.60, 8.16).
     fn barrier(&mut self, site: Site) {
         self.epoch += 1;
-        let find = |is: &dyn Fn(&Machine<'e, Plain<N>>) -> Mask| {
-            let slots = |(k, machine): (usize, &Machine<'e, Plain<N>>)| Some(k * SLOTS + is(machine).slots().next()?);
+        let find = |is: &dyn Fn(&Machine<'e, D>) -> Mask| {
+            let slots = |(k, machine): (usize, &Machine<'e, D>)| Some(k * SLOTS + is(machine).slots().next()?);
             self.machines.iter().enumerate().find_map(slots)
         };
         // One that was stopped for its loop is told there.

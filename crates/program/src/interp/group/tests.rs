@@ -51,6 +51,8 @@ fn run(text: &str, words: u32, zeroed: bool) -> Outcome {
         outside: 0,
         fuel: 1000,
         work: 100_000,
+        watched: true,
+        order: 0,
     })
 }
 

@@ -1,0 +1,102 @@
+//! Domains whose numbers can lie in memory that invocations share.
+
+use super::super::domain::{Domain, Site};
+use super::super::plain::{Column, Number, Plain};
+use super::super::slots::{Mask, SLOTS};
+use super::access::Combine;
+
+/// A domain whose numbers can lie in memory.
+pub trait InMemory: Domain {
+    /// A number in memory.
+    type Cell: Copy + Send + Sync + std::fmt::Debug;
+
+    /// The number with these bits.
+    fn cell(bits: u32) -> Self::Cell;
+
+    /// Bits of the nearest binary32.
+    fn bits(cell: Self::Cell) -> u32;
+
+    /// What memory takes of a slot.
+    fn kept(&self, column: &Self::Column, slot: usize) -> Self::Cell;
+
+    /// Puts numbers from memory into the slots of `mask`, and leaves the others.
+    fn put(&mut self, mask: &Mask, cells: &[Self::Cell; SLOTS], to: &mut Self::Column);
+
+    /// What an atomic sum, difference, minimum or maximum leaves in memory. `op` is none of those that work on bits.
+    fn combined(op: Sum, old: Self::Cell, value: Self::Cell) -> Self::Cell;
+
+    /// The first decision of a slot since it began that could have gone the other way; none for a domain that does not look.
+    fn doubted(&self, slot: usize) -> Option<Site> {
+        let _ = slot;
+        None
+    }
+
+    /// The same of any slot.
+    fn first_doubt(&self) -> Option<Site> {
+        None
+    }
+}
+
+/// What an atomic function on real numbers makes of two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sum {
+    /// a + b.
+    Add,
+    /// a − b.
+    Subtract,
+    /// The lesser.
+    Min,
+    /// The greater.
+    Max,
+}
+
+impl Combine {
+    /// The function on real numbers; `None` for one that works on bits.
+    pub(super) fn of_reals(self) -> Option<Sum> {
+        match self {
+            Self::Add => Some(Sum::Add),
+            Self::Subtract => Some(Sum::Subtract),
+            Self::Min => Some(Sum::Min),
+            Self::Max => Some(Sum::Max),
+            Self::And | Self::Or | Self::Xor | Self::Exchange => None,
+        }
+    }
+}
+
+impl<N: Number> InMemory for Plain<N>
+where
+    Self: Domain<Column = Column<N>>,
+{
+    type Cell = N;
+
+    #[inline]
+    fn cell(bits: u32) -> N {
+        N::nearest(f64::from(f32::from_bits(bits)))
+    }
+
+    #[inline]
+    fn bits(cell: N) -> u32 {
+        (cell.widen() as f32).to_bits()
+    }
+
+    #[inline]
+    fn kept(&self, column: &Column<N>, slot: usize) -> N {
+        column.values()[slot]
+    }
+
+    #[inline]
+    fn put(&mut self, mask: &Mask, cells: &[N; SLOTS], to: &mut Column<N>) {
+        let values = to.values_mut();
+        mask.each(|slot| values[slot] = cells[slot]);
+    }
+
+    fn combined(op: Sum, old: N, value: N) -> N {
+        let (a, b) = (old.widen(), value.widen());
+        N::nearest(match op {
+            Sum::Add => a + b,
+            Sum::Subtract => a - b,
+            Sum::Min => a.min(b),
+            Sum::Max => a.max(b),
+        })
+    }
+}
