@@ -6,7 +6,7 @@
 use std::num::NonZeroU32;
 use std::sync::Arc;
 
-use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+use naga::valid::{Capabilities, GlobalUse, ModuleInfo, ValidationFlags, Validator};
 use naga::{
     AddressSpace, ArraySize, Expression, Function, Handle, Literal, Module, Span, StructMember, Type, TypeInner,
 };
@@ -14,8 +14,14 @@ use naga::{
 use super::memory::{inside, without_atomics};
 use super::{Entry, Port, PortAt, Program, ProgramError, Written};
 use crate::contain::contain;
-use crate::read::parts;
+use crate::read::parts_of;
 use base::value::Field;
+
+/// Bytes of a buffer at most.
+const MOST_BYTES: u64 = 1 << 26;
+
+/// Structures of an array that are fed one by one.
+const MOST_ELEMENTS: u32 = 1 << 12;
 
 /// How a stage is dispatched.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -42,10 +48,47 @@ pub struct Dispatched {
 /// is shrunk; the work grows with the product of invocations and outputs.
 const LARGE: usize = 1 << 12;
 
+/// A storage buffer that a dispatch takes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct HostBuffer {
+    /// The author's name.
+    pub name: String,
+    /// True for one that is as long as its host makes it.
+    pub open: bool,
+    /// True where the stage reads what it holds.
+    pub read: bool,
+    /// Number of its variable, as of [`Port::global`].
+    pub global: usize,
+}
+
+impl Port {
+    /// For a value that lies in a global variable, the number of that variable in its module.
+    pub fn global(&self) -> Option<usize> {
+        match self.at {
+            PortAt::Global(global) | PortAt::Member(global, _) | PortAt::Part { global, .. } => Some(global.index()),
+            PortAt::Argument(_)
+            | PortAt::Reference(_)
+            | PortAt::Arguments { .. }
+            | PortAt::Result
+            | PortAt::ResultMember(_)
+            | PortAt::Vertices { .. } => None,
+        }
+    }
+}
+
 impl Program {
-    /// Names of the buffers that a dispatch takes, in order; true for those that are as long as their host makes them.
-    pub fn buffers(&self) -> Vec<(String, bool)> {
-        self.memory.iter().map(|memory| (self.buffer_name(memory), memory.open)).collect()
+    /// The storage buffers that a dispatch takes, in order.
+    pub fn buffers(&self) -> Vec<HostBuffer> {
+        let of = |memory: &super::memory::Memory| HostBuffer {
+            name: self.buffer_name(memory),
+            open: memory.open,
+            read: match self.entry {
+                Entry::Point(point) => self.info.get_entry_point(point)[memory.global].contains(GlobalUse::READ),
+                Entry::Function(_) => true,
+            },
+            global: memory.global.index(),
+        };
+        self.memory.iter().map(of).collect()
     }
 
     /// The author's name of a buffer: of a block of GLSL without a name for its members, that of the array at its end.
@@ -84,7 +127,7 @@ impl Program {
         self.inputs.clear();
         self.built_ins.clear();
         let names = self.buffers();
-        let open: Vec<&str> = names.iter().filter(|(_, open)| *open).map(|(name, _)| &name[..]).collect();
+        let open: Vec<&str> = names.iter().filter(|buffer| buffer.open).map(|buffer| &buffer.name[..]).collect();
         if let Some((name, _)) = dispatch.lengths.iter().find(|(name, _)| !open.contains(&&name[..])) {
             let of = if open.is_empty() { "none is".to_owned() } else { format!("these are: {}", open.join(", ")) };
             return refuse(format!(
@@ -93,20 +136,33 @@ impl Program {
         }
         let host = Arc::new((self.module.clone(), self.info.clone()));
         let mut module = self.module.clone();
-        for (memory, (name, open)) in std::mem::take(&mut self.memory).into_iter().zip(names) {
+        for (memory, HostBuffer { name, open, .. }) in std::mem::take(&mut self.memory).into_iter().zip(names) {
             let len = match dispatch.lengths.iter().find(|(of, _)| *of == name) {
                 Some(&(_, len)) => len,
-                None if open => return refuse(format!("the buffer `{name}` without a length")),
+                None if open => {
+                    let how = format!("lengths = {{ {name} = 64 }}");
+                    return refuse(format!(
+                        "the buffer `{name}` without a length; say how many elements it has: {how}"
+                    ));
+                }
                 None => 1,
             };
             let Some(len) = NonZeroU32::new(len) else {
                 return refuse(format!("the buffer `{name}` without an element: a binding holds one at least"));
             };
+            let stride = stride(&module, module.global_variables[memory.global].ty).unwrap_or(0);
+            let bytes = u64::from(stride) * u64::from(len.get());
+            if bytes > MOST_BYTES {
+                return refuse(format!(
+                    "the buffer `{name}` of {bytes} bytes; {MOST_BYTES} at most are judged: take a smaller size, at which \
+                     a kernel goes wrong alike"
+                ));
+            }
             let bare = self.bare_members(&memory).is_some();
             let ty = sized(&mut module, self.module.global_variables[memory.global].ty, len);
             module.global_variables[memory.global].ty = ty;
             let (mut found, mut unfed) = (Vec::new(), Vec::new());
-            parts(&module, ty, (&name, &[]), &mut found, &mut unfed);
+            parts_of(&module, ty, (&name, &[]), MOST_ELEMENTS, (&mut found, &mut unfed));
             if let Some(what) = unfed.first() {
                 return refuse(format!("{what} in a buffer"));
             }
@@ -172,6 +228,15 @@ fn checked(module: &Module) -> Result<ModuleInfo, ProgramError> {
     contain(|| validator.validate(module).map_err(Box::new))
         .map_err(|panic| ProgramError::internal(format!("naga panicked: {panic}")))?
         .map_err(|error| ProgramError::internal(format!("{:?}", error.into_inner())))
+}
+
+/// Bytes from one element to the next of the array that is as long as its buffer.
+fn stride(module: &Module, ty: Handle<Type>) -> Option<u32> {
+    match &module.types[ty].inner {
+        TypeInner::Array { size: ArraySize::Dynamic, stride, .. } => Some(*stride),
+        TypeInner::Struct { members, .. } => stride(module, members.last()?.ty),
+        _ => None,
+    }
 }
 
 /// The type without atomic numbers, and with so many elements where it has an open end.

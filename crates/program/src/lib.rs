@@ -48,7 +48,7 @@ pub use capture::{
 };
 pub use constants::{Constant, Constants, WrittenLiteral};
 pub use contain::contain;
-pub use dispatched::{Dispatch, Dispatched};
+pub use dispatched::{Dispatch, Dispatched, HostBuffer};
 pub use drawn::ranges;
 pub use drawn::{Count, Drawn};
 pub use front::{COMPILER, INCOMPLETE, NAGA, UNSUPPORTED, VALIDATOR};

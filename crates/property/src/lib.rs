@@ -17,7 +17,7 @@ mod stream;
 
 pub use own::Own;
 pub use picture::{Axis, Picture, PictureKind};
-pub use plan::{InputGroup, Plan, PlanError};
+pub use plan::{InputGroup, Plan, PlanError, pattern};
 pub use relation::{Claim, Observed, Relation};
 pub use sample::Sample;
 pub use sample::{decode, encode};

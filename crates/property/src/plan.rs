@@ -1,12 +1,13 @@
 //! A plan: which generator fills which input of a shader.
 
+use std::collections::HashSet;
 use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
 use thiserror::Error;
 
-use base::value::{Record, Shape};
+use base::value::{Field, Record, Shape};
 
 use super::Sample;
 use super::generators::{Generator, Group, Options};
@@ -37,6 +38,46 @@ impl fmt::Debug for InputGroup {
             .field("at", &self.at)
             .finish()
     }
+}
+
+impl InputGroup {
+    /// The group with every field in place of a name with `[]`, which stands for each index: `boids[].position`.
+    pub fn over<'f>(&self, fields: impl Iterator<Item = &'f Field> + Clone) -> Self {
+        let each = |name: &String| -> Vec<String> {
+            let parts: Vec<&str> = name.split("[]").collect();
+            let found = fields.clone().filter(|field| parts.len() > 1 && has_parts(&field.name, &parts));
+            let found: Vec<String> = found.map(|field| field.name.clone()).collect();
+            if found.is_empty() { vec![name.clone()] } else { found }
+        };
+        Self { names: self.names.iter().flat_map(each).collect(), ..self.clone() }
+    }
+}
+
+/// The name of a field with `[]` for each index into an array of structures, as [`InputGroup::over`] takes it.
+pub fn pattern(name: &str) -> String {
+    let mut text = String::new();
+    let mut inside = false;
+    for c in name.chars() {
+        inside &= c != ']';
+        if !inside {
+            text.push(c);
+        }
+        inside |= c == '[';
+    }
+    text
+}
+
+/// True for a name that consists of these parts with an index between each two.
+fn has_parts(name: &str, parts: &[&str]) -> bool {
+    let Some(mut rest) = parts.first().and_then(|first| name.strip_prefix(first)) else { return false };
+    for part in &parts[1..] {
+        let index = rest.strip_prefix('[').and_then(|inside| inside.split_once(']'));
+        let Some((digits, behind)) = index else { return false };
+        let behind = behind.strip_prefix(part).filter(|_| digits.bytes().all(|digit| digit.is_ascii_digit()));
+        let Some(behind) = behind else { return false };
+        rest = behind;
+    }
+    rest.is_empty()
 }
 
 /// Why inputs of a suite and inputs of a shader do not fit each other.
@@ -159,18 +200,17 @@ impl Plan {
     /// The first thing that does not fit.
     pub fn new(groups: &[InputGroup], invocation: Arc<Record>, case: Arc<Record>) -> Result<Self, PlanError> {
         let mut plan = Self { invocation_record: invocation, case_record: case, invocation: vec![], case: vec![] };
-        let mut filled: Vec<&str> = Vec::new();
+        let mut filled: HashSet<&str> = HashSet::new();
         for group in groups {
             for name in &group.names {
-                if filled.contains(&name.as_str()) {
+                if !filled.insert(name) {
                     return Err(PlanError::FilledTwice { at: group.at.clone(), name: name.clone() });
                 }
-                filled.push(name);
             }
             plan.add(group)?;
         }
         let fields = plan.case_record.fields().iter().chain(plan.invocation_record.fields());
-        match fields.into_iter().find(|f| !filled.contains(&f.name.as_str())) {
+        match fields.into_iter().find(|f| !filled.contains(&*f.name)) {
             Some(field) => Err(PlanError::NotFilled { name: field.name.clone(), shape: field.shape }),
             None => Ok(plan),
         }

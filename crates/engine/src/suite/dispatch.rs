@@ -17,6 +17,8 @@ pub struct Dispatching {
     pub lengths: Vec<(String, Count)>,
     /// Numbers of inputs that follow from sizes.
     pub inputs: Vec<SizedInput>,
+    /// Where the suite says it.
+    pub at: String,
 }
 
 /// Numbers of a group of inputs that follow from sizes.
@@ -70,7 +72,10 @@ impl Dispatching {
         }
         let lengths = self.lengths.iter().map(|(name, count)| Ok((name.clone(), value(count)?)));
         let lengths = lengths.collect::<Result<_, ProgramError>>()?;
-        program.dispatched(&Dispatch { groups, lengths })
+        program.dispatched(&Dispatch { groups, lengths }).map_err(|error| match error {
+            ProgramError::Unsupported { what } => ProgramError::Unsupported { what: format!("{}: {what}", self.at) },
+            other => other,
+        })
     }
 }
 

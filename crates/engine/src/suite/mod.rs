@@ -18,6 +18,7 @@ pub mod run;
 mod shipped;
 mod textures;
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use base::text::SourceFile;
@@ -178,8 +179,11 @@ impl Suite {
     /// The stages of a lane in which the suite runs. A function has no stage: it runs as compute, or in the vertex stage
     /// of a lane that offers that instead.
     pub fn stages(&self, lane: &dyn Lane) -> Vec<LaneStage> {
+        if self.stage == Stage::Compute {
+            return if lane.dispatches() { vec![LaneStage::Compute] } else { Vec::new() };
+        }
         let runs = |stage: &LaneStage| match stage {
-            LaneStage::Compute => self.stage != Stage::Compute || lane.dispatches(),
+            LaneStage::Compute => true,
             LaneStage::Vertex => {
                 self.stage == Stage::Vertex || (self.stage == Stage::Function && lane.calls_functions())
             }
@@ -236,7 +240,10 @@ impl Suite {
     /// # Errors
     /// As of [`Suite::plan`].
     pub fn plan_for(&self, program: &Program, invocation: &Arc<Record>, case: &Arc<Record>) -> Result<Plan, PlanError> {
-        let stated = |name: &str| self.inputs.iter().any(|group| group.names.iter().any(|n| n == name));
+        let fields = || invocation.fields().iter().chain(case.fields());
+        let inputs: Vec<InputGroup> = self.inputs.iter().map(|group| group.over(fields())).collect();
+        let names: HashSet<&str> = inputs.iter().flat_map(|group| &group.names).map(String::as_str).collect();
+        let stated = |name: &str| names.contains(name);
         let number = |field: &Field| {
             let most = program.largest(&field.name).filter(|_| !stated(&field.name))?;
             Some(InputGroup {
@@ -263,7 +270,7 @@ impl Suite {
             })
         };
         let numbers = invocation.fields().iter().filter_map(|field| number(field).or_else(|| before(field)));
-        let suite = Self { inputs: self.inputs.iter().cloned().chain(numbers).collect(), ..self.clone() };
+        let suite = Self { inputs: inputs.iter().cloned().chain(numbers).collect(), ..self.clone() };
         suite.plan(invocation, case)
     }
 

@@ -40,7 +40,7 @@ use compiled::Compiled;
 
 pub(crate) use flat::flat_if_needed;
 pub use language::Written;
-pub(crate) use ports::parts;
+pub(crate) use ports::parts_of;
 pub use spirv::listing;
 
 /// A text as naga reads it.

@@ -44,6 +44,17 @@ pub(crate) fn parts(
     found: &mut Vec<Part>,
     unfed: &mut Vec<String>,
 ) {
+    parts_of(module, ty, (name, path), MOST_ELEMENTS, (found, unfed));
+}
+
+/// The same, with each of `most` structures of an array at most.
+pub(crate) fn parts_of(
+    module: &Module,
+    ty: Handle<Type>,
+    (name, path): (&str, &[u32]),
+    most: u32,
+    (found, unfed): (&mut Vec<Part>, &mut Vec<String>),
+) {
     if let Some(shape) = shape_of(module, ty) {
         found.push(Part { name: name.to_owned(), path: path.to_vec(), ty, shape });
         return;
@@ -52,18 +63,18 @@ pub(crate) fn parts(
     match &module.types[ty].inner {
         // What slangc puts around an array.
         TypeInner::Struct { members, .. } if is_wrapper(module, ty) && members.len() == 1 => {
-            parts(module, members[0].ty, (name, &step(0)), found, unfed);
+            parts_of(module, members[0].ty, (name, &step(0)), most, (found, unfed));
         }
         TypeInner::Struct { members, .. } => {
             for (k, member) in (0..).zip(members) {
                 let own = member.name.clone().unwrap_or_else(|| k.to_string());
                 let name = if name.is_empty() { own } else { format!("{name}.{own}") };
-                parts(module, member.ty, (&name, &step(k)), found, unfed);
+                parts_of(module, member.ty, (&name, &step(k)), most, (found, unfed));
             }
         }
-        TypeInner::Array { base, size: naga::ArraySize::Constant(n), .. } if n.get() <= MOST_ELEMENTS => {
+        TypeInner::Array { base, size: naga::ArraySize::Constant(n), .. } if n.get() <= most => {
             for k in 0..n.get() {
-                parts(module, *base, (&format!("{name}[{k}]"), &step(k)), found, unfed);
+                parts_of(module, *base, (&format!("{name}[{k}]"), &step(k)), most, (found, unfed));
             }
         }
         // As long as its buffer: as many elements as it gets here.
@@ -75,7 +86,7 @@ pub(crate) fn parts(
                 return;
             }
             for k in 0..LENGTH {
-                parts(module, *base, (&format!("{name}[{k}]"), &step(k)), found, unfed);
+                parts_of(module, *base, (&format!("{name}[{k}]"), &step(k)), most, (found, unfed));
             }
         }
         TypeInner::Atomic(scalar) => {
@@ -85,7 +96,7 @@ pub(crate) fn parts(
                 None => unfed.push(format!("`{name}`, an atomic number,")),
             }
         }
-        inner => unfed.push(format!("`{name}`, {}", described(module, ty, inner))),
+        inner => unfed.push(format!("`{name}`, {}", described(module, ty, inner, most))),
     }
 }
 
@@ -95,13 +106,13 @@ fn is_wrapper(module: &Module, ty: Handle<Type>) -> bool {
 }
 
 /// A type that is not fed, in words.
-fn described(module: &Module, ty: Handle<Type>, inner: &TypeInner) -> String {
+fn described(module: &Module, ty: Handle<Type>, inner: &TypeInner, most: u32) -> String {
     let named = module.types[ty].name.as_ref().map_or_else(String::new, |name| format!(" `{name}`"));
     match inner {
         TypeInner::Scalar(scalar) | TypeInner::Vector { scalar, .. } | TypeInner::Matrix { scalar, .. } => {
             format!("whose numbers have {} bits,", 8 * u32::from(scalar.width))
         }
-        TypeInner::Array { .. } => format!("an array of more than {MOST_ELEMENTS} elements,"),
+        TypeInner::Array { .. } => format!("an array of more than {most} elements,"),
         TypeInner::Struct { .. } => format!("a structure{named},"),
         TypeInner::Pointer { .. } | TypeInner::ValuePointer { .. } => "a pointer,".to_owned(),
         TypeInner::Image { .. } => "a texture,".to_owned(),

@@ -1,6 +1,5 @@
 use super::super::generators::by_name;
 use super::*;
-use base::value::Field;
 
 fn group(names: &[&str], generator: &str, options: Options) -> InputGroup {
     InputGroup {
@@ -53,6 +52,18 @@ fn groups_that_do_not_fit_the_shader_are_refused() {
         "s.suite.toml:9:1: generator `point` fills vec2, vec3, vec4 and arrays of them, not float (inputs: float t)"
     );
     assert!(error(&[group(&["t"], "interval", Options { components: Some(1), ..unit() })]).contains("is a uniform"));
+}
+
+#[test]
+fn a_name_with_empty_brackets_stands_for_each_index() {
+    let names = ["boids[0].at", "boids[11].at", "boids[0].path", "boids[x].at"];
+    let fields = names.map(|name| Field { name: name.into(), shape: Shape::FLOAT });
+    let of = |name: &str| group(&[name], "point", Options::default()).over(fields.iter()).names;
+    assert_eq!(of("boids[].at"), ["boids[0].at", "boids[11].at"]);
+    assert_eq!(pattern("boids[11].at"), "boids[].at");
+    assert_eq!(of("boids[0].path"), ["boids[0].path"]);
+    // What stands for nothing is refused by its name.
+    assert_eq!(of("boids[].speed"), ["boids[].speed"]);
 }
 
 #[test]

@@ -39,7 +39,8 @@ pub(super) fn dispatch(root: Table<'_>, stage: Option<Stage>) -> Option<Dispatch
         }
     }
     let sizes = if table.has("sizes") { sizes(table) } else { Vec::new() };
-    let dispatching = Dispatching { sizes, groups, lengths, inputs: Vec::new() };
+    let at = table.reader.locate(table.offset);
+    let dispatching = Dispatching { sizes, groups, lengths, inputs: Vec::new(), at };
     // Counts that have no value are told here, for the first of all sizes.
     let first = dispatching.first();
     for count in dispatching.groups.iter().chain(dispatching.lengths.iter().map(|(_, count)| count)) {
