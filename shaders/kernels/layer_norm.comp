@@ -21,6 +21,8 @@ float sumOfGroup(float own) {
         barrier();
     }
     float sum = part[0];
+    // Mesa's compiler of OpenGL moves the read behind a barrier without it.
+    memoryBarrierShared();
     barrier();
     return sum;
 }

@@ -2,6 +2,7 @@
 //! one line of the registry.
 
 pub mod assembler;
+mod buffers;
 pub mod compiler;
 pub mod embedded;
 pub mod native;

@@ -35,6 +35,7 @@ const AFTER_A_HANG: Duration = Duration::from_secs(2);
 pub(super) enum TextStage {
     Vertex,
     Geometry,
+    Compute,
 }
 
 type Key = (TextStage, String, Vec<(String, String)>);
@@ -89,6 +90,7 @@ fn command(program: &str, kind: TextStage, defines: &[(String, String)]) -> Comm
     let stage = match kind {
         TextStage::Vertex => "vert",
         TextStage::Geometry => "geom",
+        TextStage::Compute => "comp",
     };
     let mut command = Command::new(program);
     command.args(OPTIONS).args(["-S", stage, "-o", "/dev/stdout"]);

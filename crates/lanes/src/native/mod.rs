@@ -1,10 +1,12 @@
 //! The lane `vulkan-glslang`: the author's own text, translated by glslang instead of naga, in the real vertex and
-//! geometry stages of a Vulkan driver; outputs are captured by transform feedback.
+//! geometry stages of a Vulkan driver, whose outputs are captured by transform feedback, and in compute stages as whole
+//! dispatches.
 //!
 //! Bodies are compiled as they are written. Where glslang does not take a text for SPIR-V, as all below version 1.40,
 //! the interface is rewritten in place by the same edits that make it readable for naga.
 
 mod capture;
+mod dispatch;
 mod draw;
 mod geometry;
 mod glslang;
@@ -24,7 +26,7 @@ use super::remote::{self, Engine, Front, Here, Work};
 use super::{Api, Candidate, Description, Lane, LaneError, Runner, Stage, Unavailable, vulkan, worker};
 use base::text::printable;
 use base::value::Record;
-use program::{Attribute, Drawn, Form, Kernel, OutputLayout, Primitives, Program, Role, Written};
+use program::{Attribute, BoundBuffer, Drawn, Form, Kernel, OutputLayout, Primitives, Program, Role, Written};
 
 use glslang::{TextStage, Translator};
 use gpu::Gpu;
@@ -119,6 +121,15 @@ pub enum Kinds {
         /// The module of the vertex stage in front of it.
         front: Arc<[u32]>,
     },
+    /// A compute stage.
+    Dispatch {
+        /// Workgroups along x, y and z.
+        groups: [u32; 3],
+        /// Invocations of a workgroup.
+        size: [u32; 3],
+        /// Its buffers.
+        buffers: Vec<BoundBuffer>,
+    },
 }
 
 struct Native {
@@ -136,6 +147,9 @@ impl Engine for Native {
         match &job.stage {
             Kinds::Vertex { attributes, drawn } => {
                 Ok(Box::new(vertex::VertexRunner::new(&self.gpu, job, (attributes, drawn), capacity)?))
+            }
+            Kinds::Dispatch { groups, size, buffers } => {
+                Ok(Box::new(dispatch::DispatchRunner::new(&self.gpu, job, (*groups, *size, buffers), capacity)?))
             }
             Kinds::Geometry { .. } if !self.gpu.geometry => {
                 Err(LaneError::Unsupported("geometry stages, which this device lacks".to_owned()))
@@ -157,7 +171,8 @@ impl Front for Glslang {
     fn work(&self, kernel: &Kernel) -> Result<Work, LaneError> {
         let program = &*kernel.program;
         let unsupported = |what: &str| Err(LaneError::Unsupported(what.to_owned()));
-        if program.instrumented {
+        // A dispatch is the author's text, whose buffers are fed and read as a host does it.
+        if program.instrumented && program.dispatch.is_none() {
             return unsupported("a program that is not the author's text");
         }
         if !program.textures.is_empty() {
@@ -176,12 +191,22 @@ impl Front for Glslang {
             }
             (Form::Vertex { .. }, _) => return unsupported("a program that is no vertex stage, as one"),
             (Form::Geometry, _) => return unsupported("a program that is no geometry stage, as one"),
-            (Form::Compute | Form::Uniforms | Form::Constants | Form::Dispatch { .. }, _) => {
+            (Form::Dispatch { groups, buffers }, _) => {
+                let size = program.workgroup_size().unwrap_or([1; 3]);
+                let module = self.module(program, TextStage::Compute)?;
+                let buffers = dispatch::bound(program, &module, buffers)?;
+                (Kinds::Dispatch { groups: *groups, size, buffers }, module)
+            }
+            (Form::Compute | Form::Uniforms | Form::Constants, _) => {
                 return unsupported("compute stages");
             }
         };
         let (invocation, case, output) = (kernel.invocation.clone(), kernel.case.clone(), kernel.output.clone());
         Ok(Work::Native(Job { stage, module: module.into(), invocation, case, output }))
+    }
+
+    fn dispatches(&self) -> bool {
+        true
     }
 }
 

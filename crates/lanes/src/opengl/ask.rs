@@ -1,13 +1,13 @@
 //! From a kernel to a job: the author's texts, and what a driver is told about them.
 
-use crate::LaneError;
+use crate::{LaneError, buffers};
 use base::value::{Field, Record};
 use program::lower::Role;
-use program::{Attribute, Count, Form, Kernel, Program};
+use program::{Attribute, BoundBuffer, Count, Form, Kernel, Program, UniformPlace};
 use syntax::interface::{Interface, Storage};
 use syntax::{Profile, Shader};
 
-use super::job::{self, Bound, CaptureKind, Job, Named, Text};
+use super::job::{self, Bound, CaptureKind, Job, Named, StorageBuffer, Text};
 use super::{call, pass};
 
 /// The job of a kernel.
@@ -28,6 +28,7 @@ pub fn job(kernel: &Kernel) -> Result<Job, LaneError> {
     let interface = shader.interface();
     let mut texts: Vec<Text> = texts(program)?;
     let mut outputs = None;
+    let mut buffers = Vec::new();
     let (stage, pass, attributes, fed) = match (&kernel.form, &program.role) {
         (Form::Vertex { attributes, .. }, Role::Vertex) => {
             let (attributes, fed) = plain(attributes, &kernel.invocation)?;
@@ -54,6 +55,12 @@ pub fn job(kernel: &Kernel) -> Result<Job, LaneError> {
             }
             let pass::Pass { text, attributes, fed } = pass::pass(&shader, *primitives, &kernel.invocation)?;
             (pass::kind(*primitives), Some(text), attributes, fed)
+        }
+        (Form::Dispatch { groups, buffers: all }, Role::Compute) => {
+            buffers = storage(program, interface, all)?;
+            // What is read back are words of buffers, and no outputs of a stage.
+            outputs = Some(Vec::new());
+            (CaptureKind::Dispatch { groups: *groups }, None, Vec::new(), Vec::new())
         }
         (_, Role::Fragment | Role::Compute) => return Err(unsupported("stages other than vertex and geometry")),
         (Form::Vertex { .. } | Form::Geometry | Form::Uniforms | Form::Constants | Form::Dispatch { .. }, _) => {
@@ -82,7 +89,37 @@ pub fn job(kernel: &Kernel) -> Result<Job, LaneError> {
         uniforms,
         outputs,
         textures: program.textures.iter().map(bound).collect(),
+        buffers,
     })
+}
+
+/// The storage buffers of a dispatch, by the names of their blocks.
+fn storage(program: &Program, interface: &Interface, all: &[BoundBuffer]) -> Result<Vec<StorageBuffer>, LaneError> {
+    for block in &interface.blocks {
+        for of_vulkan in ["set", "push_constant"] {
+            if block.qualifiers.layout_entry(of_vulkan).is_some() {
+                return Err(unsupported(format!("`{of_vulkan}` of Vulkan, which OpenGL lacks")));
+            }
+        }
+    }
+    let one = |about: &BoundBuffer| {
+        let name = buffers::block(program, about);
+        let block = interface.blocks.iter().find(|b| b.storage == Storage::Buffer && b.name.name == name);
+        let block = block.ok_or_else(|| unsupported(format!("a buffer that is no block of the text: `{name}`")))?;
+        if ["std430", "std140"].iter().all(|layout| block.qualifiers.layout_entry(layout).is_none()) {
+            return Err(unsupported(format!(
+                "the buffer `{name}`, whose layout OpenGL leaves to the driver; write `layout(std430)`"
+            )));
+        }
+        let places = |list: &[UniformPlace]| list.iter().map(|place| (place.word, place.byte)).collect();
+        Ok(StorageBuffer {
+            block: name.to_owned(),
+            bytes: about.bytes as usize,
+            before: places(&about.before),
+            after: places(&about.after),
+        })
+    };
+    all.iter().filter(|about| !about.uniform).map(one).collect()
 }
 
 /// The word of the record of an invocation that is a number of the draw.

@@ -26,6 +26,9 @@ impl Ready {
         if inputs.cases.len() != cases * self.job.case_words && self.job.case_words > 0 {
             return Err(LaneError::Api(format!("{} words for {cases} cases", inputs.cases.len())));
         }
+        if let CaptureKind::Dispatch { groups } = self.job.stage {
+            return self.dispatched(groups, inputs, begins);
+        }
         let vertices = self.vertices_of(inputs)?;
         let room = self.room(vertices.unwrap_or(inputs.count));
         // SAFETY: the context is current; the buffers are sized below for what is drawn.
@@ -100,7 +103,7 @@ impl Ready {
 
     unsafe fn draw(&mut self, inputs: &Inputs<'_>, begins: &mut dyn FnMut(usize)) -> Result<Drawn, LaneError> {
         let (draws, draw_as, capture_as) = match self.job.stage {
-            CaptureKind::Vertex => (1, glow::POINTS, glow::POINTS),
+            CaptureKind::Vertex | CaptureKind::Dispatch { .. } => (1, glow::POINTS, glow::POINTS),
             CaptureKind::Geometry { input, output, .. } => (inputs.count, mode(input), captured_as(output)),
         };
         let geometry = matches!(self.job.stage, CaptureKind::Geometry { .. });
@@ -176,7 +179,7 @@ impl Ready {
                 generated: result(generated) as usize,
                 written: written.iter().map(|&q| result(q)).collect(),
                 vertices: match self.job.stage {
-                    CaptureKind::Vertex => 1,
+                    CaptureKind::Vertex | CaptureKind::Dispatch { .. } => 1,
                     CaptureKind::Geometry { output, .. } => output.vertices(),
                 },
                 geometry,

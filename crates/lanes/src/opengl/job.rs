@@ -33,6 +33,21 @@ pub struct Job {
     pub outputs: Vec<Named>,
     /// What samplers are bound to.
     pub textures: Vec<Bound>,
+    /// Storage buffers of a dispatch.
+    pub buffers: Vec<StorageBuffer>,
+}
+
+/// A storage buffer of a dispatch.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StorageBuffer {
+    /// Name of its block in the text.
+    pub block: String,
+    /// Its size.
+    pub bytes: usize,
+    /// Words of the record of an invocation that it holds before, each with its place in bytes.
+    pub before: Vec<(u32, u32)>,
+    /// Words of the record of outputs that it holds behind, each with its place in bytes.
+    pub after: Vec<(u32, u32)>,
 }
 
 /// A text of a shader.
@@ -63,6 +78,11 @@ pub enum CaptureKind {
         output: Output,
         /// Declared limit of emitted vertices.
         max_vertices: u32,
+    },
+    /// Whole dispatches of a compute stage.
+    Dispatch {
+        /// Workgroups along x, y and z.
+        groups: [u32; 3],
     },
 }
 
@@ -160,7 +180,7 @@ impl Job {
     /// Most words that one invocation can give.
     pub fn most_words(&self) -> usize {
         let vertices = match self.stage {
-            CaptureKind::Vertex => 1,
+            CaptureKind::Vertex | CaptureKind::Dispatch { .. } => 1,
             CaptureKind::Geometry { output, max_vertices, .. } => {
                 output.most(max_vertices as usize) * output.vertices()
             }

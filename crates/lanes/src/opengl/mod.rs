@@ -7,6 +7,7 @@
 mod ask;
 mod call;
 mod context;
+mod dispatch;
 mod draw;
 mod job;
 mod open;
@@ -89,10 +90,17 @@ impl Lane for OpenGl {
         true
     }
 
+    fn dispatches(&self) -> bool {
+        true
+    }
+
     fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
         let job = ask::job(kernel)?;
         // A driver may leave a loop that has no end, and go on with what it has.
-        let interpreted = self.guarded || kernel.has_loops() || matches!(job.stage, CaptureKind::Geometry { .. });
+        // Of a dispatch, the judge looks at every invocation before the lane is asked.
+        let whole = matches!(job.stage, CaptureKind::Dispatch { .. });
+        let loops = kernel.has_loops() && !whole;
+        let interpreted = self.guarded || loops || matches!(job.stage, CaptureKind::Geometry { .. });
         let compile = || interp::compile(&kernel.program).map_err(|error| unsupported(error.locate(&kernel.program)));
         let meaning = interpreted.then(compile).transpose()?;
         let session = self.backend.prepare(&job, capacity.max(1)).map_err(|refusal| refused(refusal, kernel, &job))?;
@@ -173,7 +181,9 @@ impl Runner for GlRunner {
             ends(meaning.as_ref(), count)?;
         }
         let words = match self.job.stage {
-            CaptureKind::Vertex => record::points(&self.layout, &captured, count, marks)?,
+            CaptureKind::Vertex | CaptureKind::Dispatch { .. } => {
+                record::points(&self.layout, &captured, count, marks)?
+            }
             CaptureKind::Geometry { output, .. } => {
                 record::strips(&self.layout, (output, &captured), count, meaning.as_ref(), marks)?
             }

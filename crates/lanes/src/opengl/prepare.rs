@@ -8,6 +8,7 @@ use glow::HasContext;
 use serde::{Deserialize, Serialize};
 
 use super::context::Context;
+use super::dispatch::Buffers;
 use super::job::{CaptureKind, Input, Job, Output};
 use super::textures::Textures;
 use super::uniforms::Uniforms;
@@ -51,6 +52,7 @@ pub struct Ready {
     pub(super) captured: glow::Buffer,
     pub(super) uniforms: Uniforms,
     pub(super) textures: Textures,
+    pub(super) buffers: Buffers,
     /// Attributes that the program reads: location, components, type, and byte in the record of a vertex.
     pub(super) pointers: Vec<(u32, i32, u32, i32)>,
     pub(super) queries: Vec<glow::Query>,
@@ -82,6 +84,7 @@ impl Ready {
                 captured,
                 uniforms: Uniforms::default(),
                 textures: Textures::default(),
+                buffers: Buffers::default(),
                 pointers: Vec::new(),
                 queries: Vec::new(),
                 capacity: 0,
@@ -90,10 +93,14 @@ impl Ready {
             ready.attributes()?;
             ready.textures = Textures::new(gl, job)?;
             ready.uniforms = Uniforms::new(context, program, job, &ready.textures)?;
+            ready.buffers = Buffers::new(context, program, job)?;
             let bytes = 4 * job.most_words().max(job.vertices() * job.fed.first().map_or(0, Vec::len)).max(1);
             let mut most = (BYTES / bytes).min(BYTES / ready.uniforms.case_bytes().max(1));
             if matches!(job.stage, CaptureKind::Geometry { .. }) || job.reads_numbers() {
                 most = most.min(DRAWS);
+            }
+            if matches!(job.stage, CaptureKind::Dispatch { .. }) {
+                most = most.min(job.most_dispatches());
             }
             ready.capacity = capacity.min(most).max(1);
             context.checked("the preparation").map_err(LaneError::Api)?;
@@ -184,6 +191,7 @@ impl Drop for Ready {
             self.queries.iter().for_each(|&query| gl.delete_query(query));
             self.textures.free(gl);
             self.uniforms.free(gl);
+            self.buffers.free(gl);
         }
     }
 }
@@ -194,7 +202,12 @@ fn limits(context: &Context, job: &Job) -> Result<(), LaneError> {
         let of = |n: u32| format!("{}.{:02}", n / 100, n % 100);
         return Err(unsupported(format!("GLSL {}; the driver has {}", of(text.version), of(context.glsl))));
     }
-    if job.width() == 0 {
+    if matches!(job.stage, CaptureKind::Dispatch { .. }) {
+        // OpenGL 4.3 brings compute stages with GLSL 4.30.
+        if context.glsl < 430 {
+            return Err(unsupported("compute stages, which OpenGL has from 4.3 on"));
+        }
+    } else if job.width() == 0 {
         return Err(unsupported("a stage that writes no output: transform feedback captures nothing".to_owned()));
     }
     let most = context.number(glow::MAX_VERTEX_ATTRIBS);
@@ -214,6 +227,7 @@ unsafe fn compiled(gl: &glow::Context, job: &Job) -> Result<glow::Program, Refus
     let stage = match job.stage {
         CaptureKind::Vertex => glow::VERTEX_SHADER,
         CaptureKind::Geometry { .. } => glow::GEOMETRY_SHADER,
+        CaptureKind::Dispatch { .. } => glow::COMPUTE_SHADER,
     };
     let api = |error: String| Refusal::Lane(LaneError::Api(error));
     // SAFETY: the caller has made the context current; shaders live until the program is deleted.
@@ -247,7 +261,9 @@ unsafe fn compiled(gl: &glow::Context, job: &Job) -> Result<glow::Program, Refus
             return fail(LaneError::Api(format!("the vertex stage in front is refused: {}", log.trim())).into());
         }
         let names: Vec<&str> = job.outputs.iter().map(|o| o.name.as_str()).collect();
-        gl.transform_feedback_varyings(program, &names, glow::INTERLEAVED_ATTRIBS);
+        if !names.is_empty() {
+            gl.transform_feedback_varyings(program, &names, glow::INTERLEAVED_ATTRIBS);
+        }
         gl.link_program(program);
         if !gl.get_program_link_status(program) {
             let log = gl.get_program_info_log(program);

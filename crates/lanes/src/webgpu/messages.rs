@@ -38,6 +38,36 @@ pub struct Job {
     pub inputs: Vec<Input>,
     /// Textures that the shader samples, with where they are bound.
     pub textures: Vec<Bound>,
+    /// For whole dispatches of a compute stage, how each is made; `record` is then what is read back of each.
+    pub dispatch: Option<Dispatching>,
+}
+
+/// A dispatch.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Dispatching {
+    /// Workgroups along x, y and z.
+    pub groups: [u32; 3],
+    /// Its buffers, in the order in which their words come.
+    pub buffers: Vec<Storage>,
+}
+
+/// A buffer of a dispatch.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Storage {
+    /// Its group.
+    pub group: u32,
+    /// Its binding in the group.
+    pub binding: u32,
+    /// Bytes that are bound.
+    pub bytes: u32,
+    /// Words of the buffer, with the canary behind what is bound.
+    pub words: usize,
+    /// True for a uniform buffer.
+    pub uniform: bool,
+    /// True for a storage buffer that the shader may write.
+    pub writable: bool,
+    /// True where it is read back.
+    pub read: bool,
 }
 
 /// A buffer that is read.

@@ -4,6 +4,7 @@
 //! Tint reads the text that naga writes of the module: what it refuses, and what it takes in another sense, shows here.
 //! Of a shader in WGSL it reads the author's own text.
 
+mod dispatch;
 mod messages;
 mod remote;
 mod runner;
@@ -124,9 +125,13 @@ impl Lane for WebGpu {
         &self.description
     }
 
+    fn dispatches(&self) -> bool {
+        true
+    }
+
     fn front_end(&self, program: &Shader) -> String {
         // Elsewhere it reads what naga writes, and shares naga's reading of the author's text.
-        let own = program.author_kernel().is_some();
+        let own = dispatch::reads_author(program) || program.author_kernel().is_some();
         if own {
             format!("{} on the author's WGSL", self.description.front_end)
         } else {
@@ -140,7 +145,10 @@ impl Lane for WebGpu {
             Form::Compute | Form::Uniforms => {}
             Form::Constants => return unsupported("inputs as constants: WGSL has no literal for NaN and infinities"),
             Form::Vertex { .. } => return unsupported("WebGPU writes no storage in the vertex stage"),
-            Form::Dispatch { .. } => return unsupported("whole dispatches of a compute stage"),
+            Form::Dispatch { groups, ref buffers } => {
+                let how = (groups, &buffers[..]);
+                return Ok(Box::new(dispatch::DispatchRunner::new(&self.remote, kernel, how, capacity)?));
+            }
             Form::Geometry => return unsupported("geometry stages; they run as compute"),
         }
         Ok(Box::new(runner::WgslRunner::new(&self.remote, kernel, capacity)?))

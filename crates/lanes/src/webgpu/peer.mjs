@@ -113,7 +113,12 @@ async function open(folder) {
     maxUniformBufferBindingSize: own.maxUniformBufferBindingSize,
     minUniformBufferOffsetAlignment: own.minUniformBufferOffsetAlignment,
   };
-  device = await adapter.requestDevice({ requiredLimits: limits });
+  const more = [
+    'maxComputeInvocationsPerWorkgroup', 'maxComputeWorkgroupSizeX', 'maxComputeWorkgroupSizeY', 'maxComputeWorkgroupSizeZ',
+    'maxComputeWorkgroupStorageSize', 'maxStorageBuffersPerShaderStage',
+  ];
+  const requiredLimits = { ...limits, ...Object.fromEntries(more.map((name) => [name, own[name]])) };
+  device = await adapter.requestDevice({ requiredLimits });
   device.lost.then((info) => die(`the device was lost: ${info.message}`));
   const { vendor, architecture, device: name, description } = adapter.info;
   const { version } = JSON.parse(readFileSync(join(folder, 'package.json'), 'utf8'));
@@ -175,6 +180,7 @@ async function prepare(job, words) {
   const { messages } = await module.getCompilationInfo();
   const wrong = messages.find((message) => message.type === 'error');
   if (wrong) return { refused: { line: wrong.lineNum, column: wrong.linePos, why: wrong.message } };
+  if (job.dispatch) return { made: await dispatching(job, module) };
   const visibility = GPUShaderStage.COMPUTE;
   const bytes = 4 * job.record * job.capacity;
   const { STORAGE, UNIFORM, COPY_SRC, COPY_DST, MAP_READ } = GPUBufferUsage;
@@ -220,10 +226,63 @@ async function prepare(job, words) {
   return { made };
 }
 
+/** Makes a compute stage ready for whole dispatches, one after the other. */
+async function dispatching(job, module) {
+  const { STORAGE, UNIFORM, COPY_SRC, COPY_DST, MAP_READ } = GPUBufferUsage;
+  const visibility = GPUShaderStage.COMPUTE;
+  const inputs = [];
+  const groups = [];
+  for (const { group, binding, bytes, words, uniform, writable } of job.dispatch.buffers) {
+    const own = buffer(4 * words, (uniform ? UNIFORM : STORAGE) | COPY_DST | COPY_SRC);
+    inputs.push(own);
+    groups[group] ??= { layouts: [], entries: [] };
+    const type = uniform ? 'uniform' : writable ? 'storage' : 'read-only-storage';
+    groups[group].layouts.push({ binding, visibility, buffer: { type } });
+    groups[group].entries.push({ binding, resource: { buffer: own, size: bytes } });
+  }
+  const filled = Array.from(groups, (group) => group ?? { layouts: [], entries: [] });
+  const layouts = filled.map((group) => device.createBindGroupLayout({ entries: group.layouts }));
+  const bound = filled.map(({ entries }, k) => device.createBindGroup({ layout: layouts[k], entries }));
+  const pipeline = await device.createComputePipelineAsync({
+    layout: device.createPipelineLayout({ bindGroupLayouts: layouts }),
+    compute: { module, entryPoint: job.entry },
+  });
+  const readback = buffer(4 * job.record * job.capacity, MAP_READ | COPY_DST);
+  return { job, inputs, groups: bound, pipeline, readback };
+}
+
+async function dispatched(made, count, words) {
+  const { job, inputs, groups, pipeline, readback } = made;
+  const { buffers, groups: [x, y, z] } = job.dispatch;
+  for (let k = 0; k < count; k++) {
+    let at = 0;
+    buffers.forEach(({ words: size }, b) => {
+      device.queue.writeBuffer(inputs[b], 0, words, 4 * (at + k * size), 4 * size);
+      at += size * count;
+    });
+    const encoder = device.createCommandEncoder();
+    const pass = encoder.beginComputePass();
+    pass.setPipeline(pipeline);
+    groups.forEach((group, g) => pass.setBindGroup(g, group));
+    pass.dispatchWorkgroups(x, y, z);
+    pass.end();
+    let to = 4 * job.record * k;
+    buffers.forEach(({ words: size, read }, b) => {
+      if (!read) return;
+      encoder.copyBufferToBuffer(inputs[b], 0, readback, to, 4 * size);
+      to += 4 * size;
+    });
+    device.queue.submit([encoder.finish()]);
+  }
+  await readback.mapAsync(GPUMapMode.READ, 0, Math.max(4, 4 * job.record * count));
+  return readback;
+}
+
 async function run({ id, count, per_case, canary, lengths }, words) {
   const made = kernels.get(id);
   if (!made) throw new Error('a kernel that was never made ready');
   const { job } = made;
+  if (job.dispatch) return dispatched(made, count, words);
   const bytes = 4 * job.record * count;
   const { queue } = device;
   queue.writeBuffer(made.params, 0, Uint32Array.of(count, per_case, canary, job.sentinel));
@@ -257,7 +316,7 @@ function drop(id) {
   const made = kernels.get(id);
   if (!made) return;
   kernels.delete(id);
-  [made.params, made.outputs, made.blank, made.readback, ...made.inputs].forEach((own) => own.destroy());
+  [made.params, made.outputs, made.blank, made.readback, ...made.inputs].forEach((own) => own?.destroy());
 }
 
 for await (const [message, words] of frames()) {

@@ -23,7 +23,7 @@ pub struct WgslRunner {
     capacity: usize,
 }
 
-fn unsupported(what: impl Into<String>) -> LaneError {
+pub(super) fn unsupported(what: impl Into<String>) -> LaneError {
     LaneError::Unsupported(what.into())
 }
 
@@ -137,6 +137,7 @@ fn job(kernel: &Kernel, capacity: usize, limits: &Limits, sentinel: u32) -> Resu
         stride,
         inputs,
         textures: textures.collect::<Result<_, _>>()?,
+        dispatch: None,
     };
     Ok((job, texels))
 }

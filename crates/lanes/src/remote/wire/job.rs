@@ -31,7 +31,7 @@ wire! { enum OutputPrimitive { Points, LineStrip, TriangleStrip } }
 wire! { struct Primitives { input, output, max_vertices } }
 // The module comes first: others have handles of it.
 wire! { struct vulkan::Job { module, form, invocation, case, output, textures } }
-wire! { enum native::Kinds { Vertex { attributes, drawn }, Geometry { primitives, front } } }
+wire! { enum native::Kinds { Vertex { attributes, drawn }, Geometry { primitives, front }, Dispatch { groups, size, buffers } } }
 wire! { struct native::Job { stage, module, invocation, case, output } }
 
 impl Wire for Arc<Record> {
