@@ -55,13 +55,24 @@ pub struct RecordedFile {
     pub relative_error: f64,
     /// The same as a number that is added.
     pub absolute_error: f64,
-    /// Its text; none before it has been read.
+    /// Its text; none before it has been read, and for arrays of NumPy.
     pub text: Option<SourceFile>,
+    /// Of arrays of NumPy, the archives: paths, relative to the suite file, and bytes.
+    pub archives: Vec<(String, Vec<u8>)>,
     /// Where the suite says it.
     pub at: String,
 }
 
 impl RecordedFile {
+    /// True for arrays of NumPy.
+    pub fn is_arrays(&self) -> bool {
+        self.file.ends_with(".npz")
+    }
+
+    /// The path for sizes: `sum_{N}.npz` has the name of a size in place of its value.
+    pub fn path_for(&self, sizes: &Defines) -> String {
+        sizes.iter().fold(self.file.clone(), |path, (name, value)| path.replace(&format!("{{{name}}}"), value))
+    }
     /// Half a step of binary32: what rounding to binary32 does, and nothing else.
     pub const ROUNDED: f64 = 1.0 / (1_u32 << 24) as f64;
 }

@@ -1,5 +1,6 @@
 //! Suites, shaders and regressions on disk: the only file access of suites, kept thin.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -11,7 +12,7 @@ use property::regressions::{self, Regression};
 
 use super::error::LoadError;
 use super::expectations::FILE;
-use super::{Contents, Expect, Includes, Suite, parse};
+use super::{Contents, Expect, Includes, Suite, combinations, parse};
 use disk::{elsewhere, fresh, read_source};
 
 /// Ending of a suite file.
@@ -121,6 +122,20 @@ fn walk(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), LoadError> {
 
 /// Reads the files that say what a suite expects.
 fn attach(suite: &mut Suite, folder: &Path) -> Result<(), LoadError> {
+    if let Expect::Recorded(recorded) = &mut suite.expect
+        && recorded.is_arrays()
+    {
+        let each = combinations(&suite.dispatch.sizes).into_iter().map(|(_, chosen)| recorded.path_for(&chosen));
+        let paths: BTreeSet<String> = each.collect();
+        for file in paths {
+            let path = folder.join(&file);
+            let named =
+                |source| LoadError::Named { at: recorded.at.clone(), what: "record", path: path.clone(), source };
+            let bytes = fs::read(&path).map_err(named)?;
+            recorded.archives.push((file, bytes));
+        }
+        return Ok(());
+    }
     let (what, file, at, text) = match &mut suite.expect {
         Expect::Reference(reference) => ("reference", &reference.file, &reference.at, &mut reference.text),
         Expect::Recorded(recorded) => ("record", &recorded.file, &recorded.at, &mut recorded.text),

@@ -144,9 +144,10 @@ pub(super) const SECTIONS: &[Section] = &[
             key(
                 "recorded",
                 Form::FileOr("[recorded]"),
-                "Expected outputs: a file of recorded values, .csv or .json. The first line of a .csv names components \
+                "Expected outputs: a file of recorded values, .csv, .json or .npz. The first line of a .csv names components \
                  of inputs and outputs (`x`, `p.y`, `m[3][0]`, `return`; `out p` for what is both), a .json is a list \
-                 of objects. Values are decimal, or the bits of a binary32 as 0x3f800000.",
+                 of objects. Values are decimal, or the bits of a binary32 as 0x3f800000. A .npz has an array for each \
+                 variable, `expected.p` for an output; `sum_{N}.npz` is a file for each value of the size `N`.",
             ),
             key(
                 "relations",

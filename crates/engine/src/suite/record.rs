@@ -1,4 +1,6 @@
-//! Files of recorded values: CSV with a line of names, or JSON with a list of objects.
+//! Files of recorded values: CSV with a line of names, JSON with a list of objects, or arrays of NumPy.
+
+mod npz;
 
 use std::sync::Arc;
 
@@ -10,6 +12,8 @@ use base::value::{Field, Record, Scalar};
 use disk::Problem;
 use judge::verdict::RecordedRow;
 use property::Sample;
+
+pub use npz::rows_of_arrays;
 
 /// A column of a record: which word of which side it gives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -57,12 +57,13 @@ fn reference(root: Table<'_>, stage: Option<Stage>) -> Option<ReferenceFile> {
 fn recorded(root: Table<'_>) -> Option<RecordedFile> {
     let at = root.reader.locate(root.offset_of("recorded"));
     let of = |file: At<String>, table: Table<'_>, relative: Option<f64>, absolute: Option<f64>| {
-        if ![".csv", ".json"].iter().any(|ending| file.value.ends_with(ending)) {
-            let message = format!("`{}` is neither .csv nor .json", file.value);
+        if ![".csv", ".json", ".npz"].iter().any(|ending| file.value.ends_with(ending)) {
+            let message = format!("`{}` is neither .csv, .json nor .npz", file.value);
             table.reader.problem(file.offset, message);
         }
         let (relative_error, absolute_error) = (relative.unwrap_or(RecordedFile::ROUNDED), absolute.unwrap_or(0.0));
-        Some(RecordedFile { file: file.value, relative_error, absolute_error, text: None, at })
+        let (text, archives) = (None, Vec::new());
+        Some(RecordedFile { file: file.value, relative_error, absolute_error, text, archives, at })
     };
     if root.is_text("recorded") {
         return of(root.text("recorded")?, root, None, None);

@@ -7,13 +7,13 @@ use thiserror::Error;
 use crate::dispatch::open_meaning;
 use crate::suite::record::{self, Interface};
 use crate::suite::{
-    Asked, Count, Dispatching, Expect, Joined, RecordedFile, ReferenceFile, RunTextureError, Stage, Suite, read_module,
+    Asked, Count, Dispatching, Expect, Joined, ReferenceFile, RunTextureError, Stage, Suite, read_module,
 };
 use base::diagnostic::Diagnostic;
 use base::text::SourceFile;
 use compose::Options;
 use disk::Problem;
-use judge::verdict::{Oracle, Recorded, Reference, ReferenceError};
+use judge::verdict::{Oracle, Recorded, RecordedRow, Reference, ReferenceError};
 use lanes::{Lane, Stage as LaneStage, embedded};
 use program::lower::Target;
 use program::{Chosen, Kernel, ModuleText, Program, ProgramError, Written};
@@ -196,7 +196,8 @@ pub fn prepare_with(
     let shader_name = || shader.name().to_owned();
     let (reference, rows) = expected(&program)?;
     // Recorded rows are samples enough: a suite need not say how to make others.
-    let plan = if suite.inputs.is_empty() && !rows.is_empty() {
+    let varied = suite.inputs.iter().any(|group| group.generator.name() != "constant");
+    let plan = if !varied && !rows.is_empty() {
         Plan::of_given(compute.invocation.clone(), compute.case.clone())
     } else {
         suite.plan_for(&program, &compute.invocation, &compute.case).map_err(|source| RunError::Plan {
@@ -208,8 +209,11 @@ pub fn prepare_with(
     let plan = Arc::new(plan);
     if let Some(author) = author {
         let pilot = if program.is_large() { 1 } else { PILOT };
-        let batch =
-            Sampler::new(plan.clone(), super::DEFAULT_SEED).batch(0, pilot.div_ceil(suite.per_case), suite.per_case);
+        let batch = if plan.makes_samples() {
+            Sampler::new(plan.clone(), super::DEFAULT_SEED).batch(0, pilot.div_ceil(suite.per_case), suite.per_case)
+        } else {
+            Sample::batch(&rows[..rows.len().min(pilot)])
+        };
         let unread = |what| RunError::Program { suite: name(), source: ProgramError::Unsupported { what } };
         let found = open_meaning(&author, &compute, &batch).map_err(unread)?;
         if !found.is_empty() {
@@ -405,11 +409,18 @@ fn expected(suite: &Suite, shader: &SourceFile, program: &Program) -> Result<Exp
             Ok((Reference::model(&model, &by, output.as_deref(), program).map_err(unfit)?, Vec::new()))
         }
         Expect::Recorded(recorded) => {
-            let text = recorded.text.as_ref().ok_or_else(|| unread(&recorded.file))?;
             let (invocation, case) = (Arc::new(program.invocation_record()), Arc::new(program.case_record()));
             let output = program.output_layout().vertex;
             let interface = Interface { invocation: &invocation, case: &case, output: &output };
-            rows_of(recorded, text, &interface, program).map_err(|error| error.into_run_error(&unfit))
+            if recorded.is_arrays() {
+                let path = recorded.path_for(&suite.chosen);
+                let archive = recorded.archives.iter().find(|(file, _)| *file == path).ok_or_else(|| unread(&path))?;
+                let rows = record::rows_of_arrays(recorded, (&archive.0, &archive.1), &interface, suite);
+                return rows_of(&path, rows, program).map_err(|error| error.into_run_error(&unfit));
+            }
+            let text = recorded.text.as_ref().ok_or_else(|| unread(&recorded.file))?;
+            let rows = record::rows(recorded, text, &interface);
+            rows_of(text.name(), rows, program).map_err(|error| error.into_run_error(&unfit))
         }
         Expect::Nothing => Ok((Reference::nothing(program), Vec::new())),
     }
@@ -431,14 +442,13 @@ impl RowsError {
 }
 
 fn rows_of(
-    recorded: &RecordedFile,
-    text: &SourceFile,
-    interface: &Interface<'_>,
+    name: &str,
+    rows: Result<(Vec<String>, Vec<RecordedRow>), Vec<Problem>>,
     program: &Program,
 ) -> Result<Expectation, RowsError> {
-    let (outputs, rows) = record::rows(recorded, text, interface).map_err(RowsError::File)?;
+    let (outputs, rows) = rows.map_err(RowsError::File)?;
     let samples = rows.iter().map(|row| row.sample.clone()).collect();
-    let by = format!("the record {}", text.name());
+    let by = format!("the record {name}");
     let record = Recorded::new(by, outputs, rows).map_err(RowsError::Fit)?;
     Ok((Reference::recorded(record, program).map_err(RowsError::Fit)?, samples))
 }
