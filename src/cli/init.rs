@@ -17,12 +17,12 @@ use lanes::{Lane, StandIn, Wanted};
 use program::Written;
 use syntax::Stage;
 
-/// Write a first suite for every shader of a folder that can run
+/// Write a first suite for every shader of a folder that can run, or for one file
 ///
 /// Files that are there already are never written over.
 #[derive(Args, Clone, Debug, Default)]
 pub struct InitArgs {
-    /// The folder; the current one without it
+    /// The folder, or one shader; the current folder without it
     #[arg(value_name = "FOLDER")]
     pub folder: Option<PathBuf>,
     /// Print the JSON Schema of suite files, for editors, and write nothing
@@ -60,11 +60,21 @@ pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow:
         return Ok(ExitStatus::Clean);
     }
     let root = args.folder.clone().unwrap_or_else(|| PathBuf::from("."));
-    anyhow::ensure!(root.is_dir(), "`{}` is no folder", root.shown());
-    let (shaders, suites) = search(&root)?;
+    let alone = root.is_file();
+    anyhow::ensure!(alone || root.is_dir(), "`{}` is no folder", root.shown());
+    let folder = match root.parent() {
+        Some(folder) if alone && folder.as_os_str().is_empty() => Path::new("."),
+        Some(folder) if alone => folder,
+        _ => &root,
+    };
+    let (mut shaders, suites) = search(folder)?;
+    if alone {
+        let named = root.strip_prefix(".").unwrap_or(&root);
+        shaders.retain(|(path, _)| path == named);
+    }
     anyhow::ensure!(
         !shaders.is_empty(),
-        "`{}` holds no shader; the extension tells the stage: .vert, .geom, .frag, .glsl for a library, .wgsl",
+        "`{}` holds no shader; the extension tells the stage: .vert, .geom, .frag, .comp, .glsl for a library, .wgsl",
         root.shown()
     );
     let known: Vec<(PathBuf, Suite)> = suites.iter().filter_map(|path| about(path)).collect();
@@ -94,9 +104,9 @@ pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow:
             writeln!(err, "left out: {rest} more functions of {}", path.shown())?;
         }
     }
-    configuration(args, &root, out)?;
+    configuration(args, folder, out)?;
     writeln!(out, "\n{SNIPPET}")?;
-    writeln!(out, "Next: shadercheck check {}", root.shown())?;
+    writeln!(out, "Next: shadercheck check {}", folder.shown())?;
     writeln!(out, "`shadercheck explain suite` tells every key of a suite file.")?;
     Ok(if written == 0 && known.is_empty() { ExitStatus::Findings } else { ExitStatus::Clean })
 }

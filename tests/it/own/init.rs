@@ -66,6 +66,92 @@ fn a_fault_that_comes_later_is_noticed_by_the_laws() {
     assert!(ran.out.contains("the relation `odd(x)` does not hold"), "{}", ran.out);
 }
 
+/// A sum by one workgroup; the wrong twin forgets the barrier behind a step.
+fn sum(barrier: &str) -> String {
+    format!(
+        "@group(0) @binding(0) var<storage, read> values: array<f32>;\n\
+         @group(0) @binding(1) var<storage, read_write> sums: array<f32>;\n\
+         var<workgroup> part: array<f32, 8>;\n\
+         @compute @workgroup_size(8)\n\
+         fn main(@builtin(local_invocation_index) k: u32, @builtin(global_invocation_id) id: vec3u,\n\
+                 @builtin(workgroup_id) group: vec3u) {{\n\
+             part[k] = 0.0;\n\
+             if (id.x < arrayLength(&values)) {{ part[k] = values[id.x]; }}\n\
+             workgroupBarrier();\n\
+             for (var half = 4u; half > 0u; half >>= 1u) {{\n\
+                 if (k < half) {{ part[k] += part[k + half]; }}\n\
+                 {barrier}\n\
+             }}\n\
+             if (k == 0u) {{ sums[group.x] = part[0]; }}\n\
+         }}\n"
+    )
+}
+
+#[test]
+fn a_compute_stage_gets_a_suite_in_awkward_sizes() {
+    let folder = folder(&[("sum.wgsl", &sum("workgroupBarrier();"))]);
+    let ran = run_in(folder.path(), "init sum.wgsl").expect(0);
+    assert!(ran.out.contains("wrote sum.suite.toml: 1 inputs, 1 law\n"), "{ran:?}");
+    assert!(!ran.out.contains("does not pass"), "{ran:?}");
+    let suite = fs::read_to_string(folder.path().join("sum.suite.toml")).unwrap();
+    for part in [
+        "stage = \"compute\"",
+        "{ kind = \"additive\", inputs = [\"values\"], outputs = [\"sums\"] }",
+        "groups = [\"(N + 7) / 8\"]",
+        "lengths = { values = \"N\", sums = \"(N + 7) / 8\" }",
+        "sizes = { N = [1, 7, 8, 9] }",
+        "names = [\"values\"]\ngenerator = \"array\"",
+    ] {
+        assert!(suite.contains(part), "{part}\n{suite}");
+    }
+    let ran = check(folder.path(), "").expect(0);
+    assert_eq!(ran.out.lines().filter(|line| line.starts_with("ok ")).count(), 4, "{}", ran.out);
+    // A fault that comes later: the kernel forgets what is in the last workgroup.
+    let text =
+        sum("workgroupBarrier();").replace("id.x < arrayLength(&values)", "id.x < arrayLength(&values) / 8u * 8u");
+    fs::write(folder.path().join("sum.wgsl"), text.replace("sums[group.x] = part[0]", "sums[group.x] = part[0] + 1.0"))
+        .unwrap();
+    let ran = check(folder.path(), "").expect(1);
+    assert!(ran.out.contains("the relation `additive(values)` does not hold"), "{}", ran.out);
+}
+
+#[test]
+fn a_compute_stage_that_races_gets_a_suite_that_says_so() {
+    let folder = folder(&[("sum.wgsl", &sum(""))]);
+    let ran = run_in(folder.path(), "init sum.wgsl").expect(0);
+    assert!(ran.out.contains("does not pass: sum.wgsl:11:") && ran.out.contains("race on `part["), "{ran:?}");
+    let suite = fs::read_to_string(folder.path().join("sum.suite.toml")).unwrap();
+    assert!(suite.starts_with("# Found when this was written: sum.wgsl:11:"), "{suite}");
+    check(folder.path(), "").expect(2);
+}
+
+#[test]
+fn structures_indices_and_counts_of_a_compute_stage_are_guessed() {
+    let text = "#version 450\nlayout(local_size_x = 4) in;\nstruct Boid { vec2 at; float age; };\n\
+        layout(std430, binding = 0) readonly buffer Boids { Boid boids[]; };\n\
+        layout(std430, binding = 1) readonly buffer Order { uint order[]; };\n\
+        layout(std430, binding = 2) writeonly buffer Ages { float ages[]; };\n\
+        layout(std430, binding = 3) buffer Bins { uint bins[3]; };\n\
+        layout(std430, binding = 4) readonly buffer Keys { uint keys[]; };\n\
+        layout(std140, binding = 5) uniform Params { uint count; float dt; };\n\
+        void main() { uint i = gl_GlobalInvocationID.x; if (i >= count) return;\n\
+          ages[i] = boids[order[i]].age + dt; atomicAdd(bins[keys[i]], 1u); }\n";
+    let folder = folder(&[("boids.comp", text)]);
+    let ran = run_in(folder.path(), "init boids.comp").expect(0);
+    assert!(!ran.out.contains("does not pass"), "{ran:?}");
+    let suite = fs::read_to_string(folder.path().join("boids.suite.toml")).unwrap();
+    for part in [
+        "names = [\"count\"]\ngenerator = \"constant\"\nvalues = [\"N\"]",
+        "names = [\"order\"]\ngenerator = \"permutation\"",
+        "names = [\"keys\"]\ngenerator = \"array\"\nrange = [0, 2]",
+        "names = [\"bins\"]\ngenerator = \"constant\"\nvalues = [0]",
+        "\"boids[].age\"",
+    ] {
+        assert!(suite.contains(part), "{part}\n{suite}");
+    }
+    check(folder.path(), "").expect(0);
+}
+
 #[test]
 fn nothing_is_written_over() {
     let folder = folder(&[

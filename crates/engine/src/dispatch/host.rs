@@ -109,7 +109,7 @@ impl Dispatched {
     }
 
     /// Elements of the longest array that hosts fill, where all of them have a fixed size.
-    fn fixed_elements(&self) -> Option<u32> {
+    pub(super) fn fixed_elements(&self) -> Option<u32> {
         let storage = || self.executable.memories().iter().filter(|shape| matches!(shape.space, Space::Storage { .. }));
         if storage().any(|shape| shape.array.is_some()) {
             return None;
@@ -128,6 +128,11 @@ impl Dispatched {
 
     /// How long each array is: what the shader reaches where its elements fill the workgroups, for several sizes.
     pub(super) fn lengths(&self) -> Vec<Length> {
+        self.lengths_with(0)
+    }
+
+    /// The same with other choices of the host.
+    pub(super) fn lengths_with(&self, variant: u64) -> Vec<Length> {
         let whole = |k: [u32; 3]| -> [u32; 3] {
             std::array::from_fn(|axis| {
                 if self.alone || !self.axes.contains(&axis) { self.size[axis] } else { k[axis] * self.size[axis] }
@@ -136,7 +141,7 @@ impl Dispatched {
         let sizes = [whole([2, 2, 1]), whole([3, 2, 1]), whole([2, 3, 2])];
         let mut reached: Vec<Vec<Option<u64>>> = vec![Vec::new(); self.executable.memories().len()];
         for items in sizes {
-            let scenario = self.scenario(items, None, 0);
+            let scenario = self.scenario(items, None, variant);
             let outcome = self.play(&scenario, 0);
             reached.iter_mut().zip(self.reached(&outcome)).for_each(|(all, one)| all.push(one));
         }
@@ -213,7 +218,7 @@ impl Dispatched {
     }
 
     /// Of each array, the elements up to the last one that was touched; `None` where an index was outside.
-    fn reached(&self, outcome: &Outcome) -> Vec<Option<u64>> {
+    pub(super) fn reached(&self, outcome: &Outcome) -> Vec<Option<u64>> {
         let one = |(k, shape): (usize, &MemoryShape)| {
             let outside = outcome.incidents.iter().any(|i| i.memory == Some(k as u32) && i.index.is_some());
             let array = shape.array.as_ref().filter(|_| !outside)?;
@@ -291,6 +296,77 @@ fn named(shape: &MemoryShape, leaf: &Leaf) -> String {
     name
 }
 
+/// What a whole number of a uniform is taken for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Setting {
+    /// Where something begins: 0.
+    Zero,
+    /// The number of workgroups.
+    Groups,
+    /// Elements along an axis.
+    Along(usize),
+    /// All elements.
+    All,
+    /// A step, a flag, a level: the name does not say.
+    Open,
+}
+
+/// What a whole number of a uniform is taken for, by its name; `many` where elements lie along several axes.
+pub(super) fn setting(name: &str, component: Option<u32>, many: bool) -> Setting {
+    let name = name.rsplit('.').next().unwrap_or(name).trim_end_matches("[]");
+    let words = words_of(name);
+    let is = |any: &[&str]| words.iter().any(|word| any.contains(&word.as_str()));
+    if let Some(component) = component {
+        let begins = is(&["offset", "start", "base", "first", "origin"]);
+        return if begins { Setting::Zero } else { Setting::Along(component as usize) };
+    }
+    if is(&["offset", "start", "base", "first", "begin", "origin", "pad", "padding"]) {
+        Setting::Zero
+    } else if is(&["groups", "workgroups", "blocks", "partitions", "tiles"]) {
+        Setting::Groups
+    } else if is(&["width", "w", "cols", "columns", "nx", "x"]) {
+        Setting::Along(0)
+    } else if is(&["height", "h", "rows", "ny", "y"]) {
+        Setting::Along(1)
+    } else if is(&["depth", "layers", "nz", "z"]) {
+        Setting::Along(2)
+    } else if is(&["stride", "pitch"]) || (many && is(&["size", "dim", "dims", "side", "edge", "n", "m", "k"])) {
+        Setting::Along(0)
+    } else if is(&COUNTS) {
+        Setting::All
+    } else {
+        Setting::Open
+    }
+}
+
+/// Words for a number of elements.
+const COUNTS: [&str; 18] = [
+    "n",
+    "num",
+    "count",
+    "size",
+    "len",
+    "length",
+    "total",
+    "elements",
+    "items",
+    "limit",
+    "number",
+    "end",
+    "cnt",
+    "dim",
+    "side",
+    "particles",
+    "vertices",
+    "max",
+];
+
+/// True for the name of a whole number that tells kinds apart.
+pub(super) fn is_tag(name: &str) -> bool {
+    let tags = ["flags", "flag", "mask", "level", "kind", "type", "tag"];
+    words_of(name).iter().any(|word| tags.contains(&word.as_str()))
+}
+
 /// The choices of a host for one dispatch.
 struct Host {
     items: [u32; 3],
@@ -317,51 +393,13 @@ impl Host {
 
     /// A whole number of a uniform, by its name.
     fn count(&self, name: &str, component: Option<u32>) -> u32 {
-        let name = name.rsplit('.').next().unwrap_or(name).trim_end_matches("[]");
-        let words = words_of(name);
-        let is = |any: &[&str]| words.iter().any(|word| any.contains(&word.as_str()));
-        let all: u32 = self.items.iter().product();
         let many = self.items.iter().filter(|&&n| n > 1).count() > 1;
-        if let Some(component) = component {
-            let along = self.items.get(component as usize).copied().unwrap_or(1);
-            return if is(&["offset", "start", "base", "first", "origin"]) { 0 } else { along };
-        }
-        if is(&["offset", "start", "base", "first", "begin", "origin", "pad", "padding"]) {
-            0
-        } else if is(&["groups", "workgroups", "blocks", "partitions", "tiles"]) {
-            self.groups.iter().product()
-        } else if is(&["width", "w", "cols", "columns", "nx", "x"]) {
-            self.items[0]
-        } else if is(&["height", "h", "rows", "ny", "y"]) {
-            self.items[1]
-        } else if is(&["depth", "layers", "nz", "z"]) {
-            self.items[2]
-        } else if is(&["stride", "pitch"]) || (many && is(&["size", "dim", "dims", "side", "edge", "n", "m", "k"])) {
-            self.items[0]
-        } else if is(&[
-            "n",
-            "num",
-            "count",
-            "size",
-            "len",
-            "length",
-            "total",
-            "elements",
-            "items",
-            "limit",
-            "number",
-            "end",
-            "cnt",
-            "dim",
-            "side",
-            "particles",
-            "vertices",
-            "max",
-        ]) {
-            all
-        } else {
-            // A step, a flag, a level: nobody knows.
-            [1, 0, 2, 3][(self.variant % 4) as usize]
+        match setting(name, component, many) {
+            Setting::Zero => 0,
+            Setting::Groups => self.groups.iter().product(),
+            Setting::Along(axis) => self.items.get(axis).copied().unwrap_or(1),
+            Setting::All => self.items.iter().product(),
+            Setting::Open => [1, 0, 2, 3][(self.variant % 4) as usize],
         }
     }
 
@@ -376,9 +414,7 @@ impl Host {
             }
             Scalar::Bool => stream.below(2) as u32,
             Scalar::I32 | Scalar::U32 => {
-                let words = words_of(name);
-                let is = |any: &[&str]| words.iter().any(|word| any.contains(&word.as_str()));
-                let most = if is(&["flags", "flag", "mask", "level", "kind", "type", "tag"]) { 4 } else { all.max(1) };
+                let most = if is_tag(name) { 4 } else { all.max(1) };
                 stream.below(most as usize) as u32
             }
         }

@@ -9,6 +9,7 @@
 //! scenario ─ interp::group ─▶ incidents ─ depends ─▶ findings, warnings, notes
 //! ```
 
+mod draft;
 mod host;
 mod run;
 mod stated;
@@ -18,6 +19,7 @@ use program::interp::group::{Depends, Uses};
 use program::interp::{self, Executable};
 use program::{Program, Written};
 
+pub use draft::Drafted;
 pub use run::run;
 pub use stated::open_meaning;
 

@@ -5,7 +5,8 @@ use std::fmt::Write;
 
 use super::run::of_module as of_module_text;
 use super::run::{DEFAULT_SEED, FindingKind, Prepared, Report, Request, RunError, prepare, run};
-use super::{Stage, parse};
+use super::{Stage, Suite, parse};
+use crate::dispatch::{Dispatched, Drafted};
 use crate::guess::{self, Role};
 use base::diagnostic::Diagnostic;
 use base::text::SourceFile;
@@ -18,6 +19,11 @@ use syntax::{self, Shader};
 
 /// Samples on which a new suite is tried.
 const SAMPLES: u64 = 2048;
+/// Samples that a new suite states, and dispatches of each size.
+const DEFAULT_SAMPLES: u64 = 16384;
+const DISPATCHES: u64 = 32;
+/// Dispatches on which a new suite is tried in each size.
+const TRIED: u64 = 8;
 /// Functions of one file that get a suite.
 const MOST_FUNCTIONS: usize = 12;
 
@@ -53,8 +59,8 @@ pub fn subjects(file: &SourceFile, stage: syntax::Stage) -> (Vec<Subject>, usize
     match stage {
         syntax::Stage::Vertex => return (whole(Stage::Vertex), 0),
         syntax::Stage::Geometry => return (whole(Stage::Geometry), 0),
-        syntax::Stage::Fragment
-        | syntax::Stage::Compute
+        syntax::Stage::Compute
+        | syntax::Stage::Fragment
         | syntax::Stage::TessControl
         | syntax::Stage::TessEvaluation
         | syntax::Stage::Library => {}
@@ -63,8 +69,12 @@ pub fn subjects(file: &SourceFile, stage: syntax::Stage) -> (Vec<Subject>, usize
     let names: Vec<&str> =
         shader.functions().filter(|(_, f)| f.definition.is_some()).map(|(_, f)| f.name.name.as_str()).collect();
     let single = |name: &&&str| **name != "main" && names.iter().filter(|n| **n == **name).count() == 1;
-    let fragment = (stage == syntax::Stage::Fragment && names.contains(&"main")).then_some(Stage::Fragment);
-    let whole = fragment.map(|stage| Subject { stage, entry: None });
+    let whole = match stage {
+        syntax::Stage::Fragment => Some(Stage::Fragment),
+        syntax::Stage::Compute => Some(Stage::Compute),
+        _ => None,
+    };
+    let whole = whole.filter(|_| names.contains(&"main")).map(|stage| Subject { stage, entry: None });
     let mut all: Vec<Subject> = names
         .iter()
         .filter(single)
@@ -87,6 +97,7 @@ fn of_module(file: &SourceFile) -> (Vec<Subject>, usize) {
         let stage = match point.stage {
             syntax::Stage::Vertex => Stage::Vertex,
             syntax::Stage::Fragment => Stage::Fragment,
+            syntax::Stage::Compute => Stage::Compute,
             _ => return None,
         };
         Some(Subject { stage, entry: (of_stage(point.stage) > 1).then(|| point.name.clone()) })
@@ -122,18 +133,11 @@ pub fn draft(
         }
     }
     .map_err(|error| in_a_line(&error))?;
-    let (invocation, case) = (program.invocation_record(), program.case_record());
-    let outputs = program.output_layout().vertex;
-    if outputs.fields().is_empty() {
-        return Err("it has no output to look at".to_owned());
-    }
-    let inputs: Vec<&Field> = case.fields().iter().chain(invocation.fields()).collect();
-    if inputs.is_empty() {
-        return Err("it takes nothing that could be varied".to_owned());
-    }
+    let Sketch { inputs, groups, candidates } = match subject.stage {
+        Stage::Compute => of_dispatch(&program)?,
+        _ => of_invocations(&program, subject.stage)?,
+    };
     let head = head(subject, name, shader);
-    let groups = groups(&inputs, case.fields().len(), &program);
-    let candidates = laws(subject.stage, &inputs, outputs.fields());
     let assemble = |laws: &[String], floors: &str| {
         let mut text = head.clone();
         if !laws.is_empty() {
@@ -148,8 +152,22 @@ pub fn draft(
         text
     };
     let lane = lanes::embedded::open().map_err(|_| "the embedded lane cannot be opened")?;
+    let runs = |device: &&dyn Lane| subject.stage != Stage::Compute || device.dispatches();
+    // A dispatch takes its time: one device tells what devices leave open.
+    let most = if subject.stage == Stage::Compute { 1 } else { usize::MAX };
+    let devices: Vec<&dyn Lane> = devices.iter().map(|device| &**device).filter(runs).take(most).collect();
     let all: Vec<String> = candidates.iter().map(|(_, law)| law.clone()).collect();
-    let report = tried(&ready(&assemble(&all, ""), file)?, &*lane)?;
+    // The largest sizes are the last ones, and tell most about laws.
+    let last = |text: &str| ready(text, file).and_then(|mut all| all.pop().ok_or_else(|| NO_VARIANT.to_owned().into()));
+    let report = match last(&assemble(&all, "")) {
+        Ok(prepared) => tried(&prepared, &*lane)?,
+        // What is wrong with it is what a first suite is to show.
+        Err(Unready::Open(complaints)) => {
+            let text = commented(&assemble(&[], ""), &complaints);
+            return Ok(Draft { text, inputs, laws: 0, complaints });
+        }
+        Err(Unready::Other(why)) => return Err(why),
+    };
     let broken: Vec<&str> = report
         .findings
         .iter()
@@ -161,26 +179,72 @@ pub fn draft(
     // A device leaves more samples open than the interpreter, which is more exact than is promised.
     let mut floors = floors(&report);
     let mut worst = share(&report);
-    let prepared = ready(&assemble(&laws, ""), file)?;
-    for report in devices.iter().filter_map(|device| tried(&prepared, &**device).ok()) {
+    let prepared = last(&assemble(&laws, ""))?;
+    for report in devices.iter().filter_map(|device| tried(&prepared, *device).ok()) {
         if share(&report) > worst {
             (worst, floors) = (share(&report), self::floors(&report));
         }
     }
     let text = assemble(&laws, &floors);
-    let prepared = ready(&text, file)?;
-    let mut reports = vec![tried(&prepared, &*lane)?];
-    // What a device cannot run is told when the suite is run.
-    reports.extend(devices.iter().filter_map(|device| tried(&prepared, &**device).ok()));
     let mut complaints: Vec<String> = Vec::new();
-    for message in reports.iter().flat_map(Report::errors).map(|finding| &finding.message) {
-        if !complaints.contains(message) {
-            complaints.push(message.clone());
+    match ready(&text, file) {
+        Ok(all) => {
+            for (k, prepared) in all.iter().enumerate() {
+                let mut reports = vec![tried(prepared, &*lane)?];
+                // What a device cannot run is told when the suite is run.
+                let last = devices.iter().filter(|_| k + 1 == all.len());
+                reports.extend(last.filter_map(|device| tried(prepared, *device).ok()));
+                complaints.extend(reports.iter().flat_map(Report::errors).map(|finding| finding.message.clone()));
+            }
         }
+        Err(Unready::Open(open)) => complaints.extend(open),
+        Err(Unready::Other(why)) => return Err(why),
     }
-    let comment: String =
-        complaints.iter().map(|complaint| format!("# Found when this was written: {complaint}\n")).collect();
-    Ok(Draft { text: format!("{comment}{text}"), inputs: inputs.len(), laws: laws.len(), complaints })
+    let mut seen = std::collections::HashSet::new();
+    // Other sizes show the same with other numbers.
+    let apart = |complaint: &String| complaint.replace(|c: char| c.is_ascii_digit(), "");
+    complaints.retain(|complaint| seen.insert(apart(complaint)));
+    Ok(Draft { text: commented(&text, &complaints), inputs, laws: laws.len(), complaints })
+}
+
+/// A suite about a shader that has none left: a table without a size.
+const NO_VARIANT: &str = "it has no size to be dispatched with";
+
+/// What a first suite says, but for its head and its floors.
+struct Sketch {
+    /// Inputs that are filled.
+    inputs: usize,
+    /// How they are filled, and how a compute stage is dispatched.
+    groups: String,
+    /// Laws that may hold: names in reports, and how a suite states them.
+    candidates: Vec<(String, String)>,
+}
+
+fn of_invocations(program: &Program, stage: Stage) -> Result<Sketch, String> {
+    let (invocation, case) = (program.invocation_record(), program.case_record());
+    let outputs = program.output_layout().vertex;
+    if outputs.fields().is_empty() {
+        return Err("it has no output to look at".to_owned());
+    }
+    let inputs: Vec<&Field> = case.fields().iter().chain(invocation.fields()).collect();
+    if inputs.is_empty() {
+        return Err("it takes nothing that could be varied".to_owned());
+    }
+    let groups = groups(&inputs, case.fields().len(), program);
+    Ok(Sketch { inputs: inputs.len(), groups, candidates: laws(stage, &inputs, outputs.fields()) })
+}
+
+fn of_dispatch(program: &Program) -> Result<Sketch, String> {
+    let dispatched = Dispatched::new(program).ok_or("it is no compute stage")??;
+    let Drafted { dispatch, inputs, count, laws } = dispatched.draft().map_err(|error| in_a_line(&error))?;
+    Ok(Sketch { inputs: count, groups: dispatch + &inputs, candidates: laws })
+}
+
+/// A suite with what is wrong as comments in front of it.
+fn commented(text: &str, complaints: &[String]) -> String {
+    let first = |complaint: &String| complaint.lines().next().unwrap_or_default().to_owned();
+    let lines = complaints.iter().map(first).map(|line| format!("# Found when this was written: {line}\n"));
+    lines.chain([text.to_owned()]).collect()
 }
 
 /// The first thing that is wrong, in a line.
@@ -198,18 +262,45 @@ fn first_of(diagnostics: &[Diagnostic]) -> String {
     )
 }
 
-/// The suite of a text, ready to be run.
-fn ready(text: &str, shader: &SourceFile) -> Result<Prepared, String> {
+/// Why a suite is not run.
+enum Unready {
+    /// Its invocations get in each other's way.
+    Open(Vec<String>),
+    /// Anything else.
+    Other(String),
+}
+
+impl From<String> for Unready {
+    fn from(why: String) -> Self {
+        Self::Other(why)
+    }
+}
+
+impl From<Unready> for String {
+    fn from(unready: Unready) -> Self {
+        match unready {
+            Unready::Open(found) => found.join("; "),
+            Unready::Other(why) => why,
+        }
+    }
+}
+
+/// The suite of a text in each of its sizes, ready to be run.
+fn ready(text: &str, shader: &SourceFile) -> Result<Vec<Prepared>, Unready> {
     let suite = parse(&SourceFile::new("the new suite", text)).map_err(|error| error.to_string())?;
-    prepare(&suite, shader).map_err(|error| match error {
-        RunError::Shader { diagnostics, .. } => first_of(&diagnostics),
-        other => other.to_string(),
-    })
+    let prepared = |suite: &Suite| {
+        prepare(suite, shader).map_err(|error| match error {
+            RunError::Shader { diagnostics, .. } => first_of(&diagnostics).into(),
+            RunError::Open { found, .. } => Unready::Open(found),
+            other => other.to_string().into(),
+        })
+    };
+    suite.variants().iter().map(prepared).collect()
 }
 
 fn tried(prepared: &Prepared, lane: &dyn Lane) -> Result<Report, String> {
     let request = Request {
-        samples: Some(SAMPLES),
+        samples: Some(if prepared.suite.stage == Stage::Compute { TRIED } else { SAMPLES }),
         seed: DEFAULT_SEED,
         quick: false,
         replay: Vec::new(),
@@ -228,9 +319,10 @@ fn head(subject: &Subject, name: &str, shader: &str) -> String {
     text.push_str(
         "# What is right? Say it with one of these; until then lanes are held against the shader's own meaning.\n\
          # reference = { file = \"reference.glsl\", function = \"expected\" }\n\
-         # recorded = \"values.csv\"\n\
-         samples = 16384\n",
+         # recorded = \"values.csv\"\n",
     );
+    let samples = if subject.stage == Stage::Compute { DISPATCHES } else { DEFAULT_SAMPLES };
+    let _ = writeln!(text, "samples = {samples}");
     text
 }
 
