@@ -2,7 +2,7 @@
 //!
 //! One case a line: the name of the suite, then each input as `name=` and its 32-bit words in
 //! hexadecimal, separated by commas. `#` starts a comment; behind each case it shows the same values
-//! in decimal. Empty lines and comments are the user's and are never touched.
+//! in decimal. Many equal words in a row are one with their number: `00000000*97`. Empty lines and comments are the user's and are never touched.
 //!
 //! ```text
 //! morph p0=3f800000,00000000,00000000,3f800000 t=3f000001 # p0=(1.0, 0.0, 0.0, 1.0) t=0.50000006
@@ -17,6 +17,12 @@ use base::value::{F32Bits, Record, Scalar, Shape};
 
 use super::Sample;
 use base::nearest;
+
+/// Equal words in a row from which on their number stands for them.
+const LONG: usize = 8;
+
+/// Words of an input at most.
+const MOST: usize = 1 << 24;
 
 /// First lines of a new regression file.
 const HEADER: &str = "\
@@ -185,7 +191,17 @@ pub fn parse(file: &SourceFile) -> Result<Vec<Regression>, RegressionError> {
                 Ok(word) if digits.len() == 8 && !digits.starts_with('+') => Ok(word),
                 _ => Err(RegressionError::NotAWord { at: place(digits), found: digits.to_owned() }),
             };
-            inputs.push((name.to_owned(), words.split(',').map(word).collect::<Result<_, _>>()?));
+            let mut all: Vec<u32> = Vec::new();
+            for part in words.split(',') {
+                let (digits, count) = match part.split_once('*') {
+                    Some((digits, count)) => (digits, count.parse().ok().filter(|n| (1..=MOST).contains(n))),
+                    None => (part, Some(1)),
+                };
+                let not_a_count = || RegressionError::NotAWord { at: place(part), found: part.to_owned() };
+                let count = count.filter(|count| count + all.len() <= MOST).ok_or_else(not_a_count)?;
+                all.extend(std::iter::repeat_n(word(digits)?, count));
+            }
+            inputs.push((name.to_owned(), all));
         }
         if inputs.is_empty() {
             return Err(RegressionError::NoInputs { at: place(suite), suite: suite.to_owned() });
@@ -231,10 +247,16 @@ fn line(suite: &str, sample: &Sample) -> String {
     for (record, words) in sides(sample) {
         for (i, field) in record.fields().iter().enumerate() {
             let words = &words[record.range(i)];
-            let hex: Vec<String> = words.iter().map(|w| format!("{w:08x}")).collect();
-            bits.push_str(&format!(" {}={}", field.name, hex.join(",")));
-            let values: Vec<String> = words.iter().map(|&w| decimal(w, field.shape.scalar)).collect();
-            let (open, close) = if values.len() == 1 { ("", "") } else { ("(", ")") };
+            let runs = |shown: &dyn Fn(u32) -> String| -> Vec<String> {
+                let of = |run: &[u32]| match run.len() {
+                    LONG.. => vec![format!("{}*{}", shown(run[0]), run.len())],
+                    _ => run.iter().map(|&word| shown(word)).collect(),
+                };
+                words.chunk_by(|a, b| a == b).flat_map(of).collect()
+            };
+            bits.push_str(&format!(" {}={}", field.name, runs(&|word| format!("{word:08x}")).join(",")));
+            let values = runs(&|word| decimal(word, field.shape.scalar));
+            let (open, close) = if words.len() == 1 { ("", "") } else { ("(", ")") };
             comment.push_str(&format!(" {}={open}{}{close}", field.name, values.join(", ")));
         }
     }
@@ -291,6 +313,29 @@ mod tests {
         let back = |r: &Regression| r.to_sample(&samples[0].invocation_record, &samples[0].case_record).unwrap();
         assert_eq!(read.iter().map(back).collect::<Vec<_>>(), samples);
         assert_eq!(read[1].at, "morph.regressions:4:1");
+    }
+
+    #[test]
+    fn equal_words_in_a_row_are_one_with_their_number() {
+        let record = record(&[("keys", Shape::vector(Scalar::U32, 1).array_of(97))]);
+        let mut words = vec![0; 97];
+        words[26] = 9;
+        let none = Arc::new(Record::new(Vec::new()));
+        let sample = Sample {
+            invocation_record: record.clone(),
+            case_record: none.clone(),
+            invocation: words,
+            case: Vec::new(),
+        };
+        assert_eq!(inputs_text(&sample), "keys=00000000*26,00000009,00000000*70");
+        let line = line("s", &sample);
+        assert!(line.ends_with("# keys=(0*26, 9, 0*70)"), "{line}");
+        let read = parse(&file(&line)).unwrap()[0].to_sample(&record, &none).unwrap();
+        assert_eq!(read.invocation, sample.invocation);
+        for wrong in ["00000000*0", "00000000*x", "00000000*99999999999", "*3"] {
+            let error = parse(&file(&format!("s keys={wrong}"))).unwrap_err();
+            assert!(matches!(error, RegressionError::NotAWord { .. }), "{wrong}: {error}");
+        }
     }
 
     #[test]
