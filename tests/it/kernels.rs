@@ -6,7 +6,8 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::binary::{root, run_in};
+use crate::binary::{Ran, root, run_in};
+use crate::webgpu;
 
 fn fuzzed(folder: &str, name: &str, status: i32) -> Value {
     let command = format!("fuzz fixtures/kernels/{folder}/{name} --lane embedded --samples 16 --format json");
@@ -218,6 +219,68 @@ fn large_dispatches_find_what_small_ones_find() {
     }
 }
 
+/// Suites in one size each, with a kernel that is wrong on every lane. Races are told before any lane is asked.
+const ON_LANES: [(&str, &str); 6] = [
+    ("sum_zeros", "sum.suite.toml[N=63]"),
+    ("sum_tail", "sum.suite.toml[N=65]"),
+    ("dot_copy", "dot.suite.toml[N=31]"),
+    ("scan_carry", "scan.suite.toml[N=129]"),
+    ("softmax_accumulates", "softmax.suite.toml[N=1,ROWS=3]"),
+    ("skinning_first", "skinning.suite.toml[N=1]"),
+];
+
+#[test]
+fn each_lane_passes_right_kernels_and_fails_wrong_twins() {
+    let suites: Vec<String> = ON_LANES.iter().map(|(_, suite)| format!("shaders/kernels/{suite}")).collect();
+    let suites = suites.join(" ");
+    let mut lanes = vec!["opengl", "vulkan-glslang"];
+    lanes.extend(webgpu::device("whole dispatches").map(|_| "webgpu"));
+    // Dawn needs a driver that the others may do without.
+    let run = |args: &str| Ran::from(webgpu::command(root(), args).output().unwrap());
+    for lane in lanes {
+        let ran = run(&format!("check {suites} --require-lane {lane} --lane {lane} --samples 16")).expect(0);
+        assert_eq!(ran.out.lines().filter(|line| line.starts_with("ok ")).count(), 6, "{lane}\n{}", ran.out);
+        assert!(ran.out.contains(" 0 deviated"), "{lane}\n{}", ran.out);
+        for (twin, suite) in ON_LANES {
+            let shader = format!("--shader fixtures/kernels/twins/{twin}.comp");
+            let command =
+                format!("check shaders/kernels/{suite} {shader} --require-lane {lane} --lane {lane} --samples 16");
+            let ran = run(&command).expect(1);
+            assert!(ran.out.contains("the shader deviates from its reference"), "{lane} {twin}\n{}", ran.out);
+        }
+    }
+}
+
+/// What NumPy or `refdata` computed is an expectation, and a wrong kernel does not keep it.
+#[test]
+fn recorded_arrays_are_an_expectation() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().display();
+    run_in(root(), &format!("refdata generate shaders/kernels/scan.suite.toml --samples 16 --output {path}")).expect(0);
+    let written: BTreeSet<String> =
+        fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    assert!(written.contains("kernel_scan[N=65].npz"), "{written:?}");
+    let suite = |shader: &str| {
+        fs::copy(root().join(shader), folder.path().join("scan.comp")).unwrap();
+        let text = "suite = \"scan\"\nshader = \"scan.comp\"\nstage = \"compute\"\nper_case = 16\n\
+            recorded = \"kernel_scan[N={N}].npz\"\n[dispatch]\ngroups = 1\n\
+            lengths = { values = \"N\", sums = \"N\" }\nsizes = { N = [1, 63, 65, 129] }\n";
+        fs::write(folder.path().join("scan.suite.toml"), text).unwrap();
+    };
+    suite("shaders/kernels/scan.comp");
+    let ran = run_in(folder.path(), "check scan.suite.toml --lane embedded").expect(0);
+    assert_eq!(ran.out.lines().filter(|line| line.starts_with("ok ")).count(), 4, "{}", ran.out);
+    suite("fixtures/kernels/twins/scan_carry.comp");
+    let ran = run_in(folder.path(), "check scan.suite.toml --lane embedded").expect(1);
+    assert!(ran.out.contains("the shader deviates from its record"), "{}", ran.out);
+    // An array of another size is named with what it should be.
+    fs::copy(folder.path().join("kernel_scan[N=63].npz"), folder.path().join("kernel_scan[N=65].npz")).unwrap();
+    let ran = run_in(folder.path(), "check scan.suite.toml --lane embedded").expect(2);
+    let all = format!("{}{}", ran.out, ran.err);
+    assert!(all.contains("kernel_scan[N=65].npz: the array `input.values` has the shape [16, 63]"), "{all}");
+    assert!(all.contains("`values` has [65] with N = 65"), "{all}");
+}
+
 #[test]
 fn numbers_of_a_dispatch_that_have_no_value_are_reported_with_their_place() {
     let shader = "#version 450\nlayout(local_size_x = 1) in;\nlayout(std430, binding = 0) buffer V { float v[]; };\n\
@@ -239,5 +302,14 @@ fn numbers_of_a_dispatch_that_have_no_value_are_reported_with_their_place() {
     refused("[dispatch]\ngroups = [1, 1, 1, 1]\nlengths = { v = 2 }", "", "three axes at most");
     refused("[dispatch]\ngroups = 1\nlengths = { w = 2 }", "", "a length of `w`, which is no buffer");
     refused("[dispatch]\ngroups = 1\nlengths = { v = 0 }", "", "without an element");
-    refused("[dispatch]\ngroups = 1", "", "the buffer `v` without a length");
+    refused(
+        "[dispatch]\ngroups = 1",
+        "",
+        "a.suite.toml:4:1: the buffer `v` without a length; say how many elements it has: lengths = { v = 64 }",
+    );
+    refused(
+        "[dispatch]\ngroups = 1\nlengths = { v = 1073741824 }",
+        "",
+        "the buffer `v` of 4294967296 bytes; 67108864 at most",
+    );
 }

@@ -20,7 +20,7 @@ use crate::lowering::{UNIFORMS, names, shipped, stage};
 const SWIFTSHADER: &str = "/usr/lib/chromium/vk_swiftshader_icd.json";
 
 /// The binary, with SwiftShader beside the drivers that are found anyway: Dawn takes no lavapipe before Mesa 25.
-fn command(folder: &Path, args: &str) -> Command {
+pub fn command(folder: &Path, args: &str) -> Command {
     let mut command = binary::command(folder, args);
     if std::env::var_os("VK_ADD_DRIVER_FILES").is_none() && Path::new(SWIFTSHADER).exists() {
         command.env("VK_ADD_DRIVER_FILES", SWIFTSHADER);
@@ -50,7 +50,7 @@ fn lane_named<'a>(lanes: &'a Value, name: &str) -> Option<&'a Value> {
 }
 
 /// The package, where the lane is available; else records what is not run.
-fn device(what: &str) -> Option<PathBuf> {
+pub fn device(what: &str) -> Option<PathBuf> {
     let folder = package(what)?;
     let lanes = lanes();
     let lane = lane_named(&lanes, "webgpu").expect("the lane is listed");
