@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use program::interp::group::Space;
+use program::interp::group::{Incident, Space, Wrong};
 use program::{Dispatch, HostBuffer, ProgramError};
 
 use super::Dispatched;
@@ -43,6 +43,8 @@ struct Terms {
     all: String,
     /// Sizes with their values; empty where everything is fixed.
     sizes: Vec<(&'static str, Vec<u32>)>,
+    /// False where invocations without an element reach outside of an array.
+    guarded: bool,
 }
 
 /// A group of inputs.
@@ -116,10 +118,11 @@ impl Dispatched {
             // One workgroup may go over as many elements as there are.
             if self.alone && self.asks() {
                 let sizes = vec![("N", awkward(all))];
-                return Terms { along, groups, all: "N".to_owned(), sizes };
+                return Terms { along, groups, all: "N".to_owned(), sizes, guarded: true };
             }
-            return Terms { along, groups, all: all.to_string(), sizes: Vec::new() };
+            return Terms { along, groups, all: all.to_string(), sizes: Vec::new(), guarded: true };
         }
+        let guarded = self.is_guarded();
         let name = |axis: usize| if self.axes.len() == 1 { "N" } else { NAMES[axis] };
         let sized = |axis: usize| self.axes.contains(&axis);
         let along: [String; 3] =
@@ -132,6 +135,8 @@ impl Dispatched {
         let of = |&axis: &usize| {
             let n = self.size[axis];
             let values = match (self.axes.len(), axis) {
+                (_, 0) if !guarded => vec![n, 2 * n],
+                _ if !guarded => vec![n],
                 (1, _) => awkward(n),
                 (_, 0) => vec![1, n + 1],
                 (_, 1) => vec![n.saturating_sub(1).max(1), n.max(2)],
@@ -141,7 +146,23 @@ impl Dispatched {
         };
         let sizes = self.axes.iter().map(of).collect();
         let all = product(&along);
-        Terms { along, groups, all, sizes }
+        Terms { along, groups, all, sizes, guarded }
+    }
+
+    /// False where invocations without an element, which fill up the workgroups, reach outside of an array.
+    fn is_guarded(&self) -> bool {
+        let lengths = self.lengths();
+        // What buffers hold leads outside whether or not there is an element.
+        let led = |incident: &Incident| {
+            let leads = self.depends.leads(incident.who.site);
+            let mut all = self.executable.memories().iter().enumerate();
+            all.any(|(k, shape)| matches!(shape.space, Space::Storage { .. }) && leads.has(k))
+        };
+        self.sizes().into_iter().all(|items| {
+            let scenario = self.scenario(items, Some(&lengths), 0);
+            let outside = |incident: &Incident| incident.what == Wrong::Outside && !led(incident);
+            scenario.surplus == 0 || !self.play(&scenario, 0).incidents.iter().any(outside)
+        })
     }
 
     /// For each buffer that is as long as its host makes it, its elements, and whether that is a guess without a rule.
@@ -208,7 +229,13 @@ impl Dispatched {
     fn uniform(&self, field: &Field, terms: &Terms, chosen: bool) -> Filled {
         let names = vec![field.name.clone()];
         let many = self.axes.len() > 1;
-        let whole = matches!(field.shape.scalar, Scalar::I32 | Scalar::U32) && field.shape.array.is_none();
+        let counted = || words_of(&field.name).iter().any(|word| ["count", "num", "number"].contains(&word.as_str()));
+        let whole = match field.shape.scalar {
+            Scalar::I32 | Scalar::U32 => field.shape.array.is_none(),
+            // Hosts put counts among floats as well.
+            Scalar::F32 => field.shape.words() == 1 && counted(),
+            Scalar::Bool => false,
+        };
         let components: Vec<Option<u32>> = match field.shape.words() {
             1 => vec![None],
             words => (0..words as u32).map(Some).collect(),
@@ -352,6 +379,12 @@ fn dispatch(terms: &Terms, lengths: &[(String, String, bool)]) -> String {
         let lengths: Vec<String> =
             lengths.iter().map(|(name, length, _)| format!("{} = {}", key(name), toml(length))).collect();
         let _ = writeln!(text, "lengths = {{ {} }}", lengths.join(", "));
+    }
+    if !terms.guarded {
+        text.push_str(
+            "# Nothing keeps away the invocations that fill up the last workgroup: at other sizes than these, indices \
+             lead\n# outside. With a guard such as `if (i >= n) return;`, add sizes that fill none.\n",
+        );
     }
     if !terms.sizes.is_empty() {
         let sizes: Vec<String> = terms.sizes.iter().map(|(name, values)| format!("{name} = {values:?}")).collect();

@@ -317,12 +317,13 @@ fn head(subject: &Subject, name: &str, shader: &str) -> String {
         let _ = writeln!(text, "entry = {entry:?}");
     }
     text.push_str(
-        "# What is right? Say it with one of these; until then lanes are held against the shader's own meaning.\n\
-         # reference = { file = \"reference.glsl\", function = \"expected\" }\n\
-         # recorded = \"values.csv\"\n",
+        "# What is right? Say it with one of these; until then lanes are held against the shader's own meaning.\n",
     );
-    let samples = if subject.stage == Stage::Compute { DISPATCHES } else { DEFAULT_SAMPLES };
-    let _ = writeln!(text, "samples = {samples}");
+    let (reference, recorded, samples) = match subject.stage {
+        Stage::Compute => ("file = \"reference.comp\", groups = 1", "values_{N}.npz", DISPATCHES),
+        _ => ("file = \"reference.glsl\", function = \"expected\"", "values.csv", DEFAULT_SAMPLES),
+    };
+    let _ = writeln!(text, "# reference = {{ {reference} }}\n# recorded = {recorded:?}\nsamples = {samples}");
     text
 }
 
@@ -371,6 +372,10 @@ fn laws(stage: Stage, inputs: &[&Field], outputs: &[Field]) -> Vec<(String, Stri
         }
     }
     if stage != Stage::Function {
+        return all;
+    }
+    // The laws of a function are about floats.
+    if outputs.iter().all(|field| field.shape.scalar != Scalar::F32) {
         return all;
     }
     let floats: Vec<&&Field> = inputs.iter().filter(|f| f.shape.scalar == Scalar::F32).collect();
