@@ -275,7 +275,9 @@ impl Reading<'_> {
     fn rows_of(&mut self, variable: usize, array: &Array) -> Option<usize> {
         let own = &self.variables[variable];
         let (words, total) = (own.columns.len(), array.numbers.len());
-        let whole = array.dtype != "float32" && array.dtype != "float64";
+        // What is expected may be computed in float64, whole numbers too.
+        let exact = own.role == Role::Output && array.numbers.iter().all(|n| n.fract() == 0.0);
+        let whole = (array.dtype != "float32" && array.dtype != "float64") || exact;
         let unfit = match own.shape.scalar {
             Scalar::F32 if own.role != Role::Output => {
                 let other = |&&n: &&f64| !n.is_nan() && f64::from(n as f32) != n;
