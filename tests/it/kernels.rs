@@ -259,11 +259,11 @@ fn recorded_arrays_are_an_expectation() {
     run_in(root(), &format!("refdata generate shaders/kernels/scan.suite.toml --samples 16 --output {path}")).expect(0);
     let written: BTreeSet<String> =
         fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-    assert!(written.contains("kernel_scan[N=65].npz"), "{written:?}");
+    assert!(written.contains("kernel_scan_N=65_.npz"), "{written:?}");
     let suite = |shader: &str| {
         fs::copy(root().join(shader), folder.path().join("scan.comp")).unwrap();
         let text = "suite = \"scan\"\nshader = \"scan.comp\"\nstage = \"compute\"\nper_case = 16\n\
-            recorded = \"kernel_scan[N={N}].npz\"\n[dispatch]\ngroups = 1\n\
+            recorded = \"kernel_scan_N={N}_.npz\"\n[dispatch]\ngroups = 1\n\
             lengths = { values = \"N\", sums = \"N\" }\nsizes = { N = [1, 63, 65, 129] }\n";
         fs::write(folder.path().join("scan.suite.toml"), text).unwrap();
     };
@@ -274,11 +274,25 @@ fn recorded_arrays_are_an_expectation() {
     let ran = run_in(folder.path(), "check scan.suite.toml --lane embedded").expect(1);
     assert!(ran.out.contains("the shader deviates from its record"), "{}", ran.out);
     // An array of another size is named with what it should be.
-    fs::copy(folder.path().join("kernel_scan[N=63].npz"), folder.path().join("kernel_scan[N=65].npz")).unwrap();
+    fs::copy(folder.path().join("kernel_scan_N=63_.npz"), folder.path().join("kernel_scan_N=65_.npz")).unwrap();
     let ran = run_in(folder.path(), "check scan.suite.toml --lane embedded").expect(2);
     let all = format!("{}{}", ran.out, ran.err);
-    assert!(all.contains("kernel_scan[N=65].npz: the array `input.values` has the shape [16, 63]"), "{all}");
+    assert!(all.contains("kernel_scan_N=65_.npz: the array `input.values` has the shape [16, 63]"), "{all}");
     assert!(all.contains("`values` has [65] with N = 65"), "{all}");
+}
+
+#[test]
+fn a_mistake_in_a_suite_is_told_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let shader = "#version 450\nlayout(local_size_x = 1) in;\nlayout(std430, binding = 0) buffer V { float v[]; };\n\
+        void main() { v[0] = 1.0; }\n";
+    fs::write(folder.path().join("a.comp"), shader).unwrap();
+    let suite =
+        "suite = \"a\"\nshader = \"a.comp\"\nstage = \"compute\"\n[dispatch]\ngroups = 1\nsizes = { N = [1, 2, 3] }\n";
+    fs::write(folder.path().join("a.suite.toml"), suite).unwrap();
+    let ran = run_in(folder.path(), "check a.suite.toml --lane embedded").expect(2);
+    assert_eq!(ran.out.matches("without a length").count(), 1, "{}", ran.out);
+    assert_eq!(ran.out.matches("the same as a[N=1]").count(), 2, "{}", ran.out);
 }
 
 #[test]

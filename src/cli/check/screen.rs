@@ -1,12 +1,14 @@
 //! What people see: on a terminal a table that grows suite by suite, elsewhere a line for each suite and stage.
 
+use std::cell::RefCell;
+use std::collections::HashMap;
 use std::io::{IsTerminal, Write};
 
 use super::CheckArgs;
 use super::select::Selected;
 use engine::suite::run::{Entry, Summary};
 use lanes::Lane;
-use report::check::{Table, brief, finding, line, not_run, totals};
+use report::check::{Table, brief, finding, line, line_as, not_run, refusal, totals};
 
 /// The widest table; a narrower terminal has a narrower one.
 const WIDEST: usize = 100;
@@ -15,6 +17,8 @@ const WIDEST: usize = 100;
 pub struct Screen {
     way: Way,
     color: bool,
+    /// Refusals that were told, by the name of the suite and what they say, with the variant that they were told of.
+    refused: RefCell<HashMap<(String, String), String>>,
 }
 
 enum Way {
@@ -42,13 +46,21 @@ impl Screen {
             let suites = selected.iter().map(|selected| selected.suite.name.as_str());
             Way::Table { table: Table::new(names, suites, width), begun: false }
         };
-        Self { way, color: color && !args.plain }
+        Self { way, color: color && !args.plain, refused: RefCell::default() }
     }
 
     /// A suite ran on a stage of a lane.
     pub fn entry(&self, entry: &Entry, out: &mut dyn Write) -> anyhow::Result<()> {
         match self.way {
-            Way::Lines => Ok(out.write_all(line(entry, self.color).as_bytes())?),
+            Way::Lines => {
+                // One mistake in a suite is told for the first of its sizes.
+                let told = refusal(entry).and_then(|refusal| {
+                    let first = self.refused.borrow_mut().entry(refusal).or_insert_with(|| entry.suite.clone()).clone();
+                    (first != entry.suite).then_some(first)
+                });
+                let text = told.map_or_else(|| line(entry, self.color), |first| line_as(entry, &first, self.color));
+                Ok(out.write_all(text.as_bytes())?)
+            }
             Way::Silent | Way::Table { .. } => Ok(()),
         }
     }

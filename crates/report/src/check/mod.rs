@@ -23,7 +23,7 @@ pub use json::json;
 pub(crate) use reach::facts as reached;
 pub use sarif::about;
 pub use table::{Table, short};
-pub use text::{brief, finding, line, not_run, totals};
+pub use text::{brief, finding, line, line_as, not_run, refusal, totals};
 
 /// A format for other programs.
 pub struct Format {

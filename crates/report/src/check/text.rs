@@ -40,6 +40,22 @@ impl Style {
 
 /// One line for a suite on a lane, with its line break.
 pub fn line(entry: &Entry, color: bool) -> String {
+    line_with(entry, None, color)
+}
+
+/// The same for a suite that is refused as `first` was, another variant of it.
+pub fn line_as(entry: &Entry, first: &str, color: bool) -> String {
+    line_with(entry, Some(format!("the same as {first}")), color)
+}
+
+/// What a refusal says whichever variant of its suite it is about; `None` for a suite that ran.
+pub fn refusal(entry: &Entry) -> Option<(String, String)> {
+    let Outcome::Refused(error) = &entry.outcome else { return None };
+    let base = entry.suite.split_once('[')?.0.to_owned();
+    Some((base.clone(), error.to_string().replace(&entry.suite, &base)))
+}
+
+fn line_with(entry: &Entry, instead: Option<String>, color: bool) -> String {
     let style = Style::new(color);
     let source = match &entry.outcome {
         Outcome::Ran(report) => report.source,
@@ -53,7 +69,7 @@ pub fn line(entry: &Entry, color: bool) -> String {
     };
     let text = match &entry.outcome {
         Outcome::Ran(report) => entry.not_run().unwrap_or_else(|| counts(report)),
-        Outcome::Refused(error) => error.to_string(),
+        Outcome::Refused(error) => instead.unwrap_or_else(|| error.to_string()),
         Outcome::LaneFailed(message) | Outcome::KnownFailure { message, .. } => message.clone(),
     };
     let standing = entry.standing();
