@@ -126,6 +126,31 @@ fn a_compute_stage_that_races_gets_a_suite_that_says_so() {
 }
 
 #[test]
+fn whole_workgroups_are_drafted_where_nothing_guards_the_last_one() {
+    let kernel = |guard: &str| {
+        format!(
+            "#version 450\nlayout(local_size_x = 8) in;\n\
+             layout(std430, binding = 0) readonly buffer A {{ float a[]; }};\n\
+             layout(std430, binding = 1) writeonly buffer B {{ float b[]; }};\n\
+             void main() {{ uint i = gl_GlobalInvocationID.x; {guard} b[i] = 2.0 * a[i]; }}\n"
+        )
+    };
+    let drafted = |guard: &str| {
+        let folder = folder(&[("twice.comp", &kernel(guard))]);
+        let ran = run_in(folder.path(), "init twice.comp").expect(0);
+        let suite = fs::read_to_string(folder.path().join("twice.suite.toml")).unwrap();
+        (ran.out.contains("does not pass"), suite)
+    };
+    let (wrong, suite) = drafted("");
+    assert!(!wrong && suite.contains("sizes = { N = [8, 16] }") && suite.contains("# Nothing keeps away"), "{suite}");
+    // A guard that is off by one is a fault, and shows at the sizes that fill no workgroup.
+    let (wrong, suite) = drafted("if (i > a.length()) return;");
+    assert!(wrong && suite.contains("sizes = { N = [1, 7, 8, 9] }"), "{suite}");
+    let (wrong, suite) = drafted("if (i >= a.length()) return;");
+    assert!(!wrong && suite.contains("sizes = { N = [1, 7, 8, 9] }"), "{suite}");
+}
+
+#[test]
 fn structures_indices_and_counts_of_a_compute_stage_are_guessed() {
     let text = "#version 450\nlayout(local_size_x = 4) in;\nstruct Boid { vec2 at; float age; };\n\
         layout(std430, binding = 0) readonly buffer Boids { Boid boids[]; };\n\
