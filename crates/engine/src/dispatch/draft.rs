@@ -432,11 +432,14 @@ fn inputs(filled: &[Filled]) -> String {
     text
 }
 
+/// Which fields are meant.
+type Which<'a> = &'a dyn Fn(&Field) -> bool;
+
 /// Laws about whole arrays of numbers.
 fn laws(
     fields: &[(&HostBuffer, Field)],
     lengths: &[(String, String, bool)],
-    (written, varies): (&dyn Fn(&Field) -> bool, &dyn Fn(&Field) -> bool),
+    (written, varies): (Which<'_>, Which<'_>),
 ) -> Vec<(String, String)> {
     let numbers = |field: &Field| field.shape.array.is_some() && field.shape.element_words() == 1;
     let length = |buffer: &HostBuffer| lengths.iter().find(|(name, ..)| *name == buffer.name).map(|(_, text, _)| text);

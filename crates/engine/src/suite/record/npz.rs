@@ -156,7 +156,8 @@ fn array(name: &str, content: &[u8]) -> Result<Array, String> {
 /// The variables of a shader.
 fn variables(interface: &Interface<'_>) -> Vec<Variable> {
     let mut all: Vec<Variable> = Vec::new();
-    let sides: [(_, fn(usize) -> Column, _); 3] = [
+    type Numbered = fn(usize) -> Column;
+    let sides: [(_, Numbered, _); 3] = [
         (&**interface.invocation, Column::Invocation, Role::Invocation),
         (&**interface.case, Column::Case, Role::Case),
         (interface.output, Column::Output, Role::Output),
