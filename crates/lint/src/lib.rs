@@ -49,6 +49,7 @@ pub use script::SCRIPT_EXTENSIONS;
 pub use select::{PerFile, SelectError, Selection};
 
 use std::collections::{BTreeSet, HashMap, HashSet};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use base::diagnostic::{Code, Diagnostic, Fix, Severity};
 use base::text::{SourceFile, Span};
@@ -89,8 +90,22 @@ pub fn run_with(files: &[Input], settings: &Settings) -> Vec<Diagnostic> {
     run_rules(files, settings, RULES)
 }
 
+/// As [`run_with`], and gives up soon after `stop` has become true: none then.
+pub fn run_until(files: &[Input], settings: &Settings, stop: &AtomicBool) -> Option<Vec<Diagnostic>> {
+    run_rules_until(files, settings, RULES, stop)
+}
+
 /// As [`run_with`], with the rules given: tests plant rules of their own.
 fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> Vec<Diagnostic> {
+    run_rules_until(files, settings, rules, &AtomicBool::new(false)).unwrap_or_default()
+}
+
+fn run_rules_until(
+    files: &[Input],
+    settings: &Settings,
+    rules: &[&'static Rule],
+    stop: &AtomicBool,
+) -> Option<Vec<Diagnostic>> {
     let project = Project::new(files, &settings.config);
     // What the front end tells with the code of a rule of its own goes through that rule.
     let completed = |d: &Diagnostic| rules.iter().any(|r| r.code == d.code && r.completes_the_front_end());
@@ -116,7 +131,11 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
             || project.shaders().any(|s| s.front_end.iter().any(|d| d.code == rule.code))
     };
     let wanted: Vec<&'static Rule> = rules.iter().copied().filter(of_use).collect();
-    Rule::check_all(&wanted, &project, &programs, &mut all);
+    Rule::check_all(&wanted, &project, &programs, stop, &mut all);
+    // What a part of the rules found is no answer.
+    if stop.load(Ordering::Relaxed) {
+        return None;
+    }
     // A rule that looks for itself may find at any level what some versions of the language refuse.
     for shader in project.shaders().filter(|s| s.reported) {
         for error in shader.front_end.iter().filter(|d| !plain(d) && !completed(d)) {
@@ -163,7 +182,7 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
     found.extend(after.into_iter().map(|(_, d)| d));
     sort(&mut found);
     found.dedup_by(|a, b| a.code == b.code && a.span == b.span && a.file.name() == b.file.name());
-    found
+    Some(found)
 }
 
 /// Errors that the host may take away by what it puts around a text are told on request.

@@ -1,6 +1,7 @@
 //! What a rule is: its names, its page of the manual, and its check.
 
 use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
@@ -13,6 +14,9 @@ use super::program::Program;
 use super::project::{Project, ShaderFile};
 use super::suppress::Suppressions;
 use syntax::wgsl::Module;
+
+/// Rules that look at a shader one after the other, at least.
+const RULES_IN_A_ROW: usize = 16;
 
 /// One rule of the lint tool.
 pub struct Rule {
@@ -88,25 +92,35 @@ impl Rule {
     }
 
     /// Runs rules over the reported files of a project, on all cores. One shader after the other goes through all
-    /// rules on shaders, so that what they work out for it can be forgotten again.
+    /// rules on shaders, so that what they work out for it can be forgotten again; of one shader alone, as an editor has
+    /// it, several rules look at it side by side. The rest is left out once `stop` is
+    /// true.
     pub(super) fn check_all(
         rules: &[&'static Self],
         project: &Project,
         programs: &[Program<'_>],
+        stop: &AtomicBool,
         into: &mut Vec<(Level, Diagnostic)>,
     ) {
         let shaders: Vec<&ShaderFile> = project.shaders().filter(|s| s.reported).collect();
         into.par_extend(shaders.par_iter().flat_map_iter(|shader| {
-            let mut found = Vec::new();
-            for rule in rules.iter().filter(|rule| shader.template.is_none() || rule.holds_for_templates()) {
-                let mut findings = Findings { rule, into: &mut found };
-                rule.check.on_shader(shader, project, &mut findings);
-            }
+            let holds = |rule: &&&Self| shader.template.is_none() || rule.holds_for_templates();
+            let on_it = rules.par_iter().with_min_len(RULES_IN_A_ROW).filter(holds).flat_map_iter(|rule| {
+                let mut found = Vec::new();
+                if !stop.load(Ordering::Relaxed) {
+                    rule.check.on_shader(shader, project, &mut Findings { rule, into: &mut found });
+                }
+                found
+            });
+            let mut found: Vec<(Level, Diagnostic)> = on_it.collect();
             shader.forget();
+            if stop.load(Ordering::Relaxed) {
+                return found;
+            }
             numbers_of_variants(rules, shader, project, &mut found);
             found
         }));
-        for rule in rules {
+        for rule in rules.iter().take_while(|_| !stop.load(Ordering::Relaxed)) {
             rule.check(project, programs, into);
         }
     }

@@ -1,5 +1,6 @@
 //! Definite assignment: which components surely have a value, and which may have one.
 
+use std::cell::LazyCell;
 use std::collections::{BTreeMap, VecDeque};
 
 use base::text::Span;
@@ -94,10 +95,10 @@ pub struct Unassigned {
 pub fn unassigned(shader: &Shader, graph: &Graph) -> Vec<Unassigned> {
     let all = solve(graph, true);
     let likely = solve(graph, false);
-    let before = graph.before();
-    let dominators = Graph::dominators(&[0], &before);
-    let after: Vec<Vec<usize>> = graph.blocks.iter().map(|b| b.next.iter().map(|e| e.to).collect()).collect();
-    let followed = Graph::dominators(&[graph.exit], &after);
+    // Most shaders read nothing that has no value.
+    let dominators = LazyCell::new(|| Graph::dominators(&[0], &graph.before()));
+    let after = || graph.blocks.iter().map(|b| b.next.iter().map(|e| e.to).collect()).collect::<Vec<Vec<usize>>>();
+    let followed = LazyCell::new(|| Graph::dominators(&[graph.exit], &after()));
     let mut found: BTreeMap<SymbolId, Unassigned> = BTreeMap::new();
     for (at, block) in graph.blocks.iter().enumerate() {
         let Some(mut state) = all[at].clone() else { continue };

@@ -10,6 +10,7 @@ mod emit;
 mod evaluate;
 mod graph;
 mod live;
+mod open;
 mod place;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -97,8 +98,9 @@ impl Flow {
         let graph = main.and_then(|m| build::graph(shader, m));
         if let Some(graph) = &graph {
             flow.reached = Some(graph.functions.iter().copied().collect());
-            flow.follow_main(shader, graph);
-            assign::unassigned(shader, graph).into_iter().for_each(|u| {
+            let open = graph.open(shader);
+            flow.follow_main(shader, &open);
+            assign::unassigned(shader, &open).into_iter().for_each(|u| {
                 unassigned.insert(u.symbol, u);
             });
             live::dead(shader, graph).into_iter().for_each(|d| dead.entry(d.symbol).or_default().push(d));
@@ -107,12 +109,13 @@ impl Flow {
         let known = graph.is_some() || main.is_none();
         for id in bodies.into_iter().filter(|_| known) {
             let Some(graph) = build::graph(shader, id) else { continue };
-            flow.follow_function(shader, id, &graph);
+            let open = graph.open(shader);
+            flow.follow_function(shader, id, &open);
             if flow.reached.as_ref().is_some_and(|r| r.contains(&id)) {
                 continue;
             }
             let own = |symbol: SymbolId| is_inside(shader, symbol, id);
-            let new = assign::unassigned(shader, &graph).into_iter().filter(|u| own(u.symbol));
+            let new = assign::unassigned(shader, &open).into_iter().filter(|u| own(u.symbol));
             new.for_each(|u| {
                 unassigned.entry(u.symbol).or_insert(u);
             });

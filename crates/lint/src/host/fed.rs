@@ -2,7 +2,6 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
-use rayon::prelude::*;
 use tree_sitter::Node;
 
 use super::HostFile;
@@ -34,8 +33,9 @@ enum Gives {
 impl Fed {
     /// What the files of a project feed.
     pub fn of<'p>(hosts: impl Iterator<Item = &'p HostFile>) -> Self {
-        let hosts: Vec<&HostFile> = hosts.filter(|h| h.concerns_shaders() && h.file.text().contains("ttrib")).collect();
-        hosts.par_iter().map(|h| Self::of_host(h)).reduce(Self::default, Self::joined)
+        let hosts = hosts.filter(|h| h.concerns_shaders() && h.file.text().contains("ttrib"));
+        // On one thread: a rule asks first, and a thread that waited for others would take up one that asks again.
+        hosts.map(Self::of_host).fold(Self::default(), Self::joined)
     }
 
     fn of_host(host: &HostFile) -> Self {

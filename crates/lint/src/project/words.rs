@@ -3,8 +3,6 @@
 use std::collections::HashSet;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use rayon::prelude::*;
-
 use super::Project;
 
 /// A declaration in host code is looked at up to this many bytes behind its `uniform`.
@@ -19,8 +17,8 @@ impl Project {
     fn all_words(&self) -> HashSet<u64> {
         let shaders: Vec<&str> = self.shaders().map(|s| s.file.text()).collect();
         let hosts: Vec<&str> = self.hosts().flat_map(|h| declarations(h.file.text())).collect();
-        let all: Vec<&str> = shaders.into_iter().chain(hosts).collect();
-        all.par_iter().flat_map_iter(|text| words(text).map(hashed).collect::<HashSet<u64>>()).collect()
+        // On one thread: a rule asks first, and a thread that waited for others would take up one that asks again.
+        shaders.into_iter().chain(hosts).flat_map(|text| words(text).map(hashed)).collect()
     }
 }
 

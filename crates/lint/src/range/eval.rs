@@ -1,6 +1,6 @@
 //! Expressions: what they give, and what they write.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::config::Config;
 use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind, ItemKind, UnaryOp};
@@ -10,12 +10,13 @@ use syntax::types::{ScalarType, Type};
 use syntax::{Const, Shader};
 
 use super::builtin::Call;
+use super::key::Keys;
 use super::operator;
 use super::start::{beginning, hash, path, swizzle, unknown_of, within};
 use super::state::State;
 use super::transfer as t;
 use super::value::{Evidence, Range, Sources, Value};
-use super::{MOST_VISITS, Visit, bits, key};
+use super::{MOST_VISITS, Visit, bits};
 
 /// Expressions that are looked at before the analysis gives up on the rest of a shader.
 const MOST_STEPS: usize = 400_000;
@@ -28,6 +29,7 @@ pub struct Machine<'s> {
     pub(super) shader: &'s Shader,
     pub(super) config: &'s Config,
     pub(super) state: State,
+    pub(super) keys: Keys,
     /// The functions being run.
     pub(super) frames: Vec<Frame>,
     /// Loops of the innermost function being run.
@@ -53,6 +55,8 @@ pub struct Frame {
     pub value: Option<Value>,
     /// The path on which it was called.
     pub path: Sources,
+    /// Its parameters, and the variables that it declared.
+    pub locals: BTreeSet<SymbolId>,
 }
 
 /// Where the ways out of a loop's body lead.
@@ -69,6 +73,7 @@ impl<'s> Machine<'s> {
             shader,
             config,
             state: State::default(),
+            keys: Keys::default(),
             frames: Vec::new(),
             loops: Vec::new(),
             recording: true,
@@ -124,7 +129,7 @@ impl<'s> Machine<'s> {
     /// Evaluates without a record and without a trace: a second look at something that was evaluated.
     pub fn look(&mut self, id: ExprId) -> Value {
         let recording = std::mem::replace(&mut self.recording, false);
-        let pure = key::of(self.shader, id).is_some();
+        let pure = self.keys.of(self.shader, id).is_some();
         let state = if pure { None } else { Some(self.state.clone()) };
         let value = self.eval(id);
         if let Some(state) = state {
@@ -166,7 +171,7 @@ impl<'s> Machine<'s> {
         };
         if let [only] = value.parts.as_mut_slice()
             && !self.state.facts.is_empty()
-            && let Some(fact) = key::of(self.shader, id).and_then(|k| self.state.facts.get(&k))
+            && let Some(fact) = self.keys.of(self.shader, id).and_then(|k| self.state.facts.get(&k))
         {
             *only = only.narrowed(fact);
         }
@@ -371,9 +376,9 @@ impl<'s> Machine<'s> {
     }
 
     /// True when two expressions have one spelling.
-    fn same(&self, a: ExprId, b: ExprId) -> bool {
-        let spelling = key::of(self.shader, a);
-        spelling.is_some() && spelling == key::of(self.shader, b)
+    fn same(&mut self, a: ExprId, b: ExprId) -> bool {
+        let spelling = self.keys.of(self.shader, a);
+        spelling.is_some() && spelling == self.keys.of(self.shader, b)
     }
 
     fn call(&mut self, id: ExprId, callee: &'s Callee, args: &'s [ExprId]) -> Value {
@@ -402,8 +407,9 @@ impl<'s> Machine<'s> {
                 }
                 let components = if matches!(ty, Type::Scalar(_) | Type::Vector(..)) { ty.components() } else { None };
                 // Equal calls make the same direction.
-                let spelling = key::of(shader, id).unwrap_or_else(|| id.index().to_string());
-                let mark = 1 << (hash(&spelling) % 128);
+                let spelling = self.keys.of(shader, id);
+                let number = spelling.map_or_else(|| hash(&id.index().to_string()), |key| hash(self.keys.text(key)));
+                let mark = 1 << (number % 128);
                 let call = Call { name: &name.name, args: &values, components: components.unwrap_or(0), same, mark };
                 let value = call.value();
                 let carries = matches!(name.name.as_str(), "normalize" | "reflect" | "faceforward" | "dot");
@@ -454,25 +460,28 @@ impl<'s> Machine<'s> {
             }
             return self.anything(id);
         }
-        let value = self.enter(function, values);
+        let (value, locals) = self.enter(function, values).unwrap_or_default();
         for (arg, p) in args.iter().zip(&info.params).filter(|(_, p)| p.direction != Direction::In) {
             let out = p.symbol.and_then(|s| self.state.vars.get(&s).cloned());
             self.assign(*arg, out.unwrap_or_else(|| unknown_of(&p.ty, Sources::ALL)));
         }
+        self.state.leave(&locals, &self.keys);
         value.unwrap_or_else(|| self.anything(id))
     }
 
-    /// Runs a function with these arguments; gives what it returns.
-    fn enter(&mut self, function: FunctionId, args: Vec<Value>) -> Option<Value> {
+    /// Runs a function with these arguments; gives what it returns, and its variables.
+    fn enter(&mut self, function: FunctionId, args: Vec<Value>) -> Option<(Option<Value>, BTreeSet<SymbolId>)> {
         let shader = self.shader;
         let info = shader.function_info(function);
         let body = shader.function_syntax(info)?.body.as_ref()?;
         if !self.reached.contains(&function) {
             self.reached.push(function);
         }
+        let mut locals = BTreeSet::new();
         for (p, value) in info.params.iter().zip(args) {
             if let Some(symbol) = p.symbol {
-                self.state.forget(symbol);
+                locals.insert(symbol);
+                self.state.forget(symbol, &self.keys);
                 if p.direction == Direction::Out {
                     self.state.vars.remove(&symbol);
                 } else {
@@ -483,7 +492,7 @@ impl<'s> Machine<'s> {
         let (path, ended) = (self.state.path, self.state.ended);
         let discarded = std::mem::replace(&mut self.discarded, Sources::NONE);
         let loops = std::mem::take(&mut self.loops);
-        self.frames.push(Frame { function, returned: None, value: None, path });
+        self.frames.push(Frame { function, returned: None, value: None, path, locals });
         self.block(&body.statements);
         self.come_back(None);
         self.loops = loops;
@@ -494,7 +503,7 @@ impl<'s> Machine<'s> {
             self.state.ended = ended.and(self.discarded);
         }
         self.discarded = self.discarded.and(discarded);
-        frame.value
+        Some((frame.value, frame.locals))
     }
 
     /// Forgets all globals that may be written, and all facts.
@@ -523,7 +532,7 @@ impl<'s> Machine<'s> {
             ExprKind::Paren(inner) => self.assign(*inner, value),
             ExprKind::Name(_) => {
                 if let Some(symbol) = shader.symbol_of(target) {
-                    self.state.forget(symbol);
+                    self.state.forget(symbol, &self.keys);
                     self.state.vars.insert(symbol, value);
                 }
             }

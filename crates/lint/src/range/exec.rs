@@ -141,7 +141,10 @@ impl<'s> Machine<'s> {
             let value = d.initializer.as_ref().map(|i| self.eval(i.value));
             let Some(&symbol) = self.declared.get(&d.name.span.start) else { continue };
             let info = self.shader.symbol(symbol);
-            self.state.forget(symbol);
+            self.state.forget(symbol, &self.keys);
+            if let Some(frame) = self.frames.last_mut() {
+                frame.locals.insert(symbol);
+            }
             match value {
                 Some(value) if info.value.is_none() => {
                     let value = if value.parts.is_empty() { unknown_of(&info.ty, value.sources()) } else { value };

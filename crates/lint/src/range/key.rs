@@ -1,71 +1,142 @@
 //! Spellings of expressions by which equal ones are recognised.
 
+use std::collections::{BTreeSet, HashMap};
+use std::fmt::Write as _;
+
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind, UnaryOp};
 use syntax::symbols::{CallTarget, Direction, SymbolId};
 
-/// How a variable is spelt in a key.
-pub fn of_symbol(symbol: SymbolId) -> String {
-    format!("<{}>", symbol.index())
+/// A spelling among the [`Keys`] of a shader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Key(usize);
+
+/// The spellings of a shader's expressions: each is worked out once, and compared as a number.
+#[derive(Default)]
+pub struct Keys {
+    all: Vec<Spelling>,
+    by_text: HashMap<String, Key>,
+    /// By the index of the expression; none for one that was not asked for.
+    known: Vec<Option<Option<Key>>>,
 }
 
-/// The spelling of an expression without side effects: two expressions with one spelling have the
-/// same value as long as no variable in it is written. None for others.
+/// A spelling, and the variables in it.
+#[derive(Default)]
+struct Spelling {
+    text: String,
+    symbols: Vec<SymbolId>,
+}
+
+impl Keys {
+    /// The spelling of an expression without side effects: two expressions with one spelling have the same value as long
+    /// as no variable in it is written. None for others.
+    pub fn of(&mut self, shader: &Shader, id: ExprId) -> Option<Key> {
+        if let Some(Some(known)) = self.known.get(id.index()) {
+            return *known;
+        }
+        let mut spelling = Spelling::default();
+        let key = write(shader, id, &mut spelling).map(|()| self.intern(spelling));
+        if self.known.len() <= id.index() {
+            self.known.resize(id.index() + 1, None);
+        }
+        self.known[id.index()] = Some(key);
+        key
+    }
+
+    /// The spelling of `left op right`.
+    pub fn of_binary(&mut self, op: BinaryOp, left: Key, right: Key) -> Key {
+        let (left, right) = (&self.all[left.0], &self.all[right.0]);
+        let text = binary(op, &left.text, &right.text);
+        let symbols = left.symbols.iter().chain(&right.symbols).copied().collect();
+        self.intern(Spelling { text, symbols })
+    }
+
+    /// A spelling as it is written.
+    pub fn text(&self, key: Key) -> &str {
+        &self.all[key.0].text
+    }
+
+    /// True when the variable is in the spelling.
+    pub fn mentions(&self, key: Key, symbol: SymbolId) -> bool {
+        self.all[key.0].symbols.contains(&symbol)
+    }
+
+    /// True when one of the variables is in the spelling.
+    pub fn mentions_any(&self, key: Key, symbols: &BTreeSet<SymbolId>) -> bool {
+        self.all[key.0].symbols.iter().any(|symbol| symbols.contains(symbol))
+    }
+
+    fn intern(&mut self, spelling: Spelling) -> Key {
+        if let Some(key) = self.by_text.get(&spelling.text) {
+            return *key;
+        }
+        let key = Key(self.all.len());
+        self.by_text.insert(spelling.text.clone(), key);
+        self.all.push(spelling);
+        key
+    }
+}
+
+/// The spelling of an expression without side effects, as [`Keys`] have it.
 pub fn of(shader: &Shader, id: ExprId) -> Option<String> {
-    let mut text = String::new();
-    write(shader, id, &mut text)?;
-    Some(text)
+    let mut spelling = Spelling::default();
+    write(shader, id, &mut spelling)?;
+    Some(spelling.text)
 }
 
-/// The spelling of `left op right`.
-pub fn of_binary(op: BinaryOp, left: &str, right: &str) -> String {
+fn binary(op: BinaryOp, left: &str, right: &str) -> String {
     format!("({left}{}{right})", op.text())
 }
 
-fn write(shader: &Shader, id: ExprId, into: &mut String) -> Option<()> {
+fn write(shader: &Shader, id: ExprId, into: &mut Spelling) -> Option<()> {
     if let Some(value) = shader.fold(id) {
-        into.push_str(&value.to_string());
+        into.text.push_str(&value.to_string());
         return Some(());
     }
     match &shader.expr(id).kind {
         ExprKind::Paren(inner) => write(shader, *inner, into)?,
-        ExprKind::Name(_) => into.push_str(&of_symbol(shader.symbol_of(id)?)),
+        ExprKind::Name(_) => {
+            let symbol = shader.symbol_of(id)?;
+            into.symbols.push(symbol);
+            let _ = write!(into.text, "<{}>", symbol.index());
+        }
         ExprKind::Index { base, index } => {
             write(shader, *base, into)?;
-            into.push('[');
+            into.text.push('[');
             write(shader, *index, into)?;
-            into.push(']');
+            into.text.push(']');
         }
         ExprKind::Field { base, field } => {
             write(shader, *base, into)?;
-            into.push('.');
-            into.push_str(&field.name);
+            into.text.push('.');
+            into.text.push_str(&field.name);
         }
         ExprKind::Unary { op: UnaryOp::Increment | UnaryOp::Decrement, .. } => return None,
         ExprKind::Unary { op, op_span: _, operand } => {
-            into.push_str(op.text());
+            into.text.push_str(op.text());
             write(shader, *operand, into)?;
         }
         ExprKind::Binary { op, op_span: _, left, right } => {
-            let mut sides = [String::new(), String::new()];
-            write(shader, *left, &mut sides[0])?;
-            write(shader, *right, &mut sides[1])?;
-            into.push_str(&of_binary(*op, &sides[0], &sides[1]));
+            into.text.push('(');
+            write(shader, *left, into)?;
+            into.text.push_str(op.text());
+            write(shader, *right, into)?;
+            into.text.push(')');
         }
         ExprKind::Call { args, .. } => {
             match shader.callee(id) {
                 Some(CallTarget::Builtin(call)) if call.directions.iter().all(|d| *d == Direction::In) => {
-                    into.push_str(call.function.name());
+                    into.text.push_str(call.function.name());
                 }
-                Some(CallTarget::Constructor(ty)) => into.push_str(&ty.to_string()),
+                Some(CallTarget::Constructor(ty)) => into.text.push_str(&ty.to_string()),
                 _ => return None,
             }
-            into.push('(');
+            into.text.push('(');
             for arg in args {
                 write(shader, *arg, into)?;
-                into.push(',');
+                into.text.push(',');
             }
-            into.push(')');
+            into.text.push(')');
         }
         ExprKind::Literal(_)
         | ExprKind::Method { .. }

@@ -4,7 +4,6 @@ use syntax::ast::{BinaryOp, ExprId, ExprKind, UnaryOp};
 use syntax::types::{ScalarType, Type};
 
 use super::eval::Machine;
-use super::key;
 use super::start::swizzle;
 use super::value::{Evidence, Range, Sources};
 
@@ -70,12 +69,12 @@ impl Machine<'_> {
 
     /// What a comparison of two expressions says about their difference.
     fn difference(&mut self, low: ExprId, high: ExprId, strictly: bool) {
-        let (Some(l), Some(h)) = (key::of(self.shader, low), key::of(self.shader, high)) else { return };
+        let (Some(l), Some(h)) = (self.keys.of(self.shader, low), self.keys.of(self.shader, high)) else { return };
         let mut positive = Range::of(0.0, f64::INFINITY, Evidence::Bound, Sources::ALL).or_nan();
         positive.nonzero = strictly;
         let negative = Range { lo: f64::NEG_INFINITY, hi: 0.0, ..positive };
-        self.state.facts.insert(key::of_binary(BinaryOp::Sub, &h, &l), positive);
-        self.state.facts.insert(key::of_binary(BinaryOp::Sub, &l, &h), negative);
+        self.state.facts.insert(self.keys.of_binary(BinaryOp::Sub, h, l), positive);
+        self.state.facts.insert(self.keys.of_binary(BinaryOp::Sub, l, h), negative);
     }
 
     fn equal(&mut self, left: ExprId, right: ExprId) -> Sources {
@@ -113,7 +112,7 @@ impl Machine<'_> {
         if self.shader.fold(id).is_some() || range.lo > range.hi {
             return Sources::NONE;
         }
-        let Some(key) = key::of(self.shader, id) else { return Sources::NONE };
+        let Some(key) = self.keys.of(self.shader, id) else { return Sources::NONE };
         let sources = Sources::narrowed(id.index());
         let range = Range { sources, ..range };
         self.keep(id, range);

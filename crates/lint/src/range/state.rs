@@ -1,9 +1,10 @@
 //! What is known at a point of a function.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use syntax::symbols::SymbolId;
 
+use super::key::{Key, Keys};
 use super::value::{Range, Sources, Value};
 
 /// What is known at a point of a function.
@@ -11,8 +12,8 @@ use super::value::{Range, Sources, Value};
 pub struct State {
     /// Values of variables that were written; others have the value they begin with.
     pub vars: BTreeMap<SymbolId, Value>,
-    /// Ranges that conditions on the way gave to scalar expressions, by their [`key`](super::key).
-    pub facts: BTreeMap<String, Range>,
+    /// Ranges that conditions on the way gave to scalar expressions, by their spelling.
+    pub facts: BTreeMap<Key, Range>,
     /// What the conditions on the way depend on: values that depend on it too may be narrower than
     /// their ranges say.
     pub path: Sources,
@@ -24,9 +25,14 @@ pub struct State {
 
 impl State {
     /// Forgets what conditions said about a variable.
-    pub fn forget(&mut self, symbol: SymbolId) {
-        let mark = super::key::of_symbol(symbol);
-        self.facts.retain(|key, _| !key.contains(&mark));
+    pub fn forget(&mut self, symbol: SymbolId, keys: &Keys) {
+        self.facts.retain(|key, _| !keys.mentions(*key, symbol));
+    }
+
+    /// Drops the variables of a function that came back: no one reads them any more.
+    pub fn leave(&mut self, locals: &BTreeSet<SymbolId>, keys: &Keys) {
+        self.vars.retain(|symbol, _| !locals.contains(symbol));
+        self.facts.retain(|key, _| !keys.mentions_any(*key, locals));
     }
 
     /// What holds after one of two branches; `before` is the path in front of them, and `on` what

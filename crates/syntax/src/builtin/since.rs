@@ -1,5 +1,8 @@
 //! When built-in functions and variables and the names of types came, and in which stages they are.
 
+use std::collections::HashMap;
+use std::sync::LazyLock;
+
 use super::super::Stage;
 use super::super::language::{Language, NEVER, Since};
 use super::super::types::{OpaqueKind, ScalarType, TextureDim, Type};
@@ -7,6 +10,20 @@ use super::super::types::{OpaqueKind, ScalarType, TextureDim, Type};
 /// Names, stages (`*` for all; letters as in the table of variables), first desktop version, first ES
 /// version, extensions. What is in no row came with the first version.
 type Row = (&'static str, &'static str, u32, u32, &'static [&'static str]);
+
+/// The rows of each name: the table is asked for every call and every name of a shader.
+type Rows = LazyLock<HashMap<&'static str, Vec<&'static Row>>>;
+
+static FUNCTION_ROWS: Rows = LazyLock::new(|| by_name(FUNCTIONS));
+static VARIABLE_ROWS: Rows = LazyLock::new(|| by_name(VARIABLES));
+
+fn by_name(rows: &'static [Row]) -> HashMap<&'static str, Vec<&'static Row>> {
+    let mut found: HashMap<&str, Vec<&Row>> = HashMap::new();
+    for row in rows {
+        row.0.split_whitespace().for_each(|name| found.entry(name).or_default().push(row));
+    }
+    found
+}
 
 const FUNCTIONS: &[Row] = &[
     ("sinh cosh tanh asinh acosh atanh trunc round roundEven modf isnan isinf", "*", 130, 300, &["EXT_gpu_shader4"]),
@@ -187,11 +204,10 @@ pub(crate) enum Absent {
     Removed,
 }
 
-fn look_up(rows: &[Row], name: &str, stage: Stage, language: &Language) -> Option<Absent> {
+fn look_up(rows: &Rows, name: &str, stage: Stage, language: &Language) -> Option<Absent> {
     let letter = super::variables::letter(stage);
-    let named = |row: &&Row| row.0.split_whitespace().any(|n| n == name);
     let mut found = None;
-    for (_, stages, desktop, es, extensions) in rows.iter().filter(named) {
+    for (_, stages, desktop, es, extensions) in rows.get(name).into_iter().flatten() {
         if *stages != "*" && letter != '*' && !stages.contains(letter) {
             found = found.or(Some(Absent::Stage));
             continue;
@@ -224,7 +240,7 @@ pub(crate) fn function(name: &str, stage: Stage, language: &Language) -> Option<
     {
         return None;
     }
-    look_up(FUNCTIONS, name, stage, language)
+    look_up(&FUNCTION_ROWS, name, stage, language)
 }
 
 /// Why a built-in variable or constant is not in this stage of this language.
@@ -240,7 +256,7 @@ pub(crate) fn variable(name: &str, stage: Stage, language: &Language) -> Option<
         return Some(Absent::Removed);
     }
     // The table of variables knows the stages.
-    look_up(VARIABLES, name, stage, language).filter(|why| *why != Absent::Stage)
+    look_up(&VARIABLE_ROWS, name, stage, language).filter(|why| *why != Absent::Stage)
 }
 
 /// True for a member of the block `gl_PerVertex`.

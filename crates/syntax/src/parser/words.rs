@@ -1,5 +1,8 @@
 //! Keywords, which differ between versions (GLSL 4.60 specification, section 3.6).
 
+use std::collections::HashMap;
+use std::sync::LazyLock;
+
 use super::super::builtin::type_since;
 use super::super::language::{Language, NEVER, Since};
 use super::super::types::Type;
@@ -53,6 +56,15 @@ const LATE: &[(&str, Since)] = &[
 
 /// The first and the last version.
 type Versions = (u32, u32);
+
+/// When each reserved word is one: every name of a shader is looked up.
+static RESERVED_WORDS: LazyLock<HashMap<&'static str, Vec<(Versions, Versions)>>> = LazyLock::new(|| {
+    let mut found: HashMap<&str, Vec<(Versions, Versions)>> = HashMap::new();
+    for (words, desktop, es) in RESERVED {
+        words.split_whitespace().for_each(|word| found.entry(word).or_default().push((*desktop, *es)));
+    }
+    found
+});
 
 /// Words kept for later, which no name may be: the desktop versions and the ES versions, from the first to
 /// the last one.
@@ -158,10 +170,8 @@ impl Words {
     pub(crate) fn reserved(&self, word: &str) -> bool {
         let number = self.language.number();
         let inside = |(first, last): (u32, u32)| (first..=last).contains(&number);
-        let row = RESERVED.iter().find(|(words, desktop, es)| {
-            inside(if self.language.es() { *es } else { *desktop }) && words.split_whitespace().any(|w| w == word)
-        });
-        row.is_some() && !self.keyword(word)
+        let mut rows = RESERVED_WORDS.get(word).into_iter().flatten();
+        rows.any(|(desktop, es)| inside(if self.language.es() { *es } else { *desktop })) && !self.keyword(word)
     }
 
     /// The language.

@@ -4,7 +4,7 @@ use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 use syntax::Shader;
-use syntax::ast::{BinaryOp, Condition, ExprId, ExprKind, Stmt, StmtKind, UnaryOp};
+use syntax::ast::{BinaryOp, Condition, Expr, ExprId, ExprKind, Stmt, StmtKind, UnaryOp};
 use syntax::symbols::SymbolId;
 use syntax::types::Type;
 
@@ -87,9 +87,13 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
             loops.push((counted, body.span));
         }
     });
+    let indexed = |(_, e): (ExprId, &Expr)| match e.kind {
+        ExprKind::Index { base, index } => Some((e.span.start, base, index)),
+        _ => None,
+    };
+    let all: Vec<(usize, ExprId, ExprId)> = shader.arena().iter().filter_map(indexed).collect();
     for (counted, body) in loops {
-        for (_, expr) in shader.arena().iter().filter(|(_, e)| body.contains(e.span.start)) {
-            let ExprKind::Index { base, index } = expr.kind else { continue };
+        for (_, base, index) in all.iter().copied().filter(|(start, ..)| body.contains(*start)) {
             let ty = shader.type_of(base);
             let (Some(size), Some(offset)) = (ty.index_count(), offset(shader, index, counted.symbol)) else {
                 continue;

@@ -7,7 +7,7 @@ use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 use base::text::Span;
 use syntax::Shader;
-use syntax::ast::{BinaryOp, ExprId, ExprKind, StmtKind};
+use syntax::ast::{BinaryOp, Expr, ExprId, ExprKind, StmtKind};
 use syntax::symbols::SymbolId;
 use syntax::types::Type;
 
@@ -34,10 +34,9 @@ struct Added {
 }
 
 /// The elements in a sum that goes on over the rounds: `sum += data[i]`. Elements of vectors are none.
-fn added(shader: &Shader, body: Span) -> Vec<Added> {
+fn added(shader: &Shader, sums: &[(ExprId, ExprId)], body: Span) -> Vec<Added> {
     let mut found = Vec::new();
-    for (id, expr) in shader.arena().iter().filter(|(_, e)| body.contains(e.span.start)) {
-        let ExprKind::Assign { op: Some(BinaryOp::Add | BinaryOp::Sub), value, .. } = expr.kind else { continue };
+    for &(id, value) in sums.iter().filter(|(id, _)| body.contains(shader.expr(*id).span.start)) {
         let parts = expressions(shader, value);
         let whole: BTreeSet<SymbolId> = parts.iter().filter_map(|part| shader.symbol_of(*part)).collect();
         for part in parts {
@@ -60,9 +59,14 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     });
     // The innermost loop that an element stands in.
     bodies.sort_by_key(|(whole, _)| whole.end - whole.start);
+    let sum = |(id, e): (ExprId, &Expr)| match e.kind {
+        ExprKind::Assign { op: Some(BinaryOp::Add | BinaryOp::Sub), value, .. } => Some((id, value)),
+        _ => None,
+    };
+    let sums: Vec<(ExprId, ExprId)> = shader.arena().iter().filter_map(sum).collect();
     let mut seen = BTreeSet::new();
     for (whole, body) in bodies {
-        let fresh: Vec<Added> = added(shader, body).into_iter().filter(|a| seen.insert(a.id)).collect();
+        let fresh: Vec<Added> = added(shader, &sums, body).into_iter().filter(|a| seen.insert(a.id)).collect();
         let written: BTreeSet<SymbolId> = shader
             .uses()
             .iter()
