@@ -1,6 +1,7 @@
 //! Running suites and single functions on lanes: inputs, batches, verdicts, shrinking and parts of a run; mutants of
 //! shaders, measurements of devices, and a device that errs as far as it may.
 
+pub mod accuracy;
 pub mod adversary;
 pub mod calibrate;
 pub mod catalogue;

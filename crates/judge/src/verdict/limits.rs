@@ -5,7 +5,7 @@ use super::judge::{Doubt, Reason};
 use super::oracle::Oracle;
 use super::reference::{Evaluator, Expected, Reference};
 use crate::profile::Profile;
-use crate::tape::{Model, Tape};
+use crate::tape::{Cause, Model, Share, Tape};
 use base::value::{Batch, Scalar};
 use program::interp::{Binary64, Machine, Number, OutputColumn, SLOTS};
 use program::lane::Stage;
@@ -80,6 +80,22 @@ impl<'a> Limiter<'a> {
                 }
             }
         }
+    }
+}
+
+/// What a bound of the last look is made of.
+impl Limiter<'_> {
+    /// The operations with the largest parts of the bound of an output word, largest first.
+    pub fn shares(&mut self, (vertex, word): (usize, usize), slot: usize, most: usize) -> Vec<Share> {
+        let OutputColumn::Real(&column) = self.machine.output(vertex, word) else { return Vec::new() };
+        self.machine.domain().shares(column, slot, most)
+    }
+
+    /// The first operation on the way to an output word whose error is more than `limit` of its size, with its relative
+    /// condition number.
+    pub fn culprit(&self, (vertex, word): (usize, usize), slot: usize, limit: f64) -> Option<(Cause, f64)> {
+        let OutputColumn::Real(&column) = self.machine.output(vertex, word) else { return None };
+        self.machine.as_domain().culprit(column, slot, limit)
     }
 }
 
