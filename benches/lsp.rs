@@ -23,6 +23,8 @@ const LINES: usize = 2_000;
 const FILES: usize = 200;
 /// Between two keys: a fast typist.
 const PAUSE: Duration = Duration::from_millis(80);
+/// Behind a statement: the next key comes while all files are linted.
+const THOUGHT: Duration = Duration::from_millis(540);
 
 /// A fragment shader of many functions, and a `main` that calls them all.
 fn shader(functions: usize, seed: usize) -> String {
@@ -74,7 +76,7 @@ fn main() {
     std::thread::sleep(Duration::from_secs(3));
     // A new statement is written in several functions, with slips that are taken back: brackets are open and names are
     // unknown meanwhile.
-    let script = "vec3 halfway = normalize(l + n);\u{8}\u{8}\u{8}\u{8} n + 0.001);\n  lit += pow(max(dot(n, halfway), 0.0), shininess);\u{8}\n";
+    let script = "vec3 halfway = normalize(l + n);\u{8}\u{8}\u{8}\u{8} n + 0.001);\n  lit += pow(max(dot(n, halfway), 0.0), shininess;\u{8});\n";
     let (mut times, mut version) = (Vec::new(), 1);
     for function in [3, 40, 90] {
         let at = text.find(&format!("vec3 light{function}(")).unwrap();
@@ -97,10 +99,12 @@ fn main() {
             let uri = client.uri("p0.frag");
             client.until(|m| m["params"]["uri"] == uri.as_str() && m["params"]["version"].as_i64() >= Some(version));
             times.push(began.elapsed());
-            std::thread::sleep(PAUSE);
+            std::thread::sleep(if key == ';' { THOUGHT } else { PAUSE });
         }
     }
     report(&mut times, &client);
+    // What was typed compiles: nothing was left out.
+    assert_eq!(client.shown[&client.uri("p0.frag")], Vec::<serde_json::Value>::new());
     assert_eq!(client.end(), Some(0));
 }
 

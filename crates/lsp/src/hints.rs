@@ -5,6 +5,7 @@ use ls_types::{InlayHint, InlayHintKind, InlayHintLabel};
 use syntax::ast::{ExprId, ExprKind};
 use syntax::symbols::CallTarget;
 use syntax::types::Type;
+use syntax::wgsl::{MemberSyntax, Module};
 
 use crate::unit::Unit;
 use crate::walk::parts;
@@ -134,9 +135,15 @@ fn offsets(unit: &Unit) -> Vec<(usize, String)> {
     }
     let module = shader.wgsl().into_iter();
     for (name, layout) in module.clone().flat_map(|m| m.layouts.iter()) {
-        let members = module.clone().filter_map(|m| m.members(name)).flatten();
+        let members = module.clone().find_map(|m| m.members(name)).unwrap_or_default();
+        // What goes from stage to stage lies in no memory.
+        let of_interface =
+            |m: &MemberSyntax| ["location", "builtin"].iter().any(|a| Module::attribute(&m.attributes, a).is_some());
+        if members.iter().any(of_interface) {
+            continue;
+        }
         found.extend(
-            members.zip(&layout.members).map(|(m, placed)| (m.ty.span.end, format!("offset {}", placed.offset))),
+            members.iter().zip(&layout.members).map(|(m, placed)| (m.ty.span.end, format!("offset {}", placed.offset))),
         );
     }
     found

@@ -3,12 +3,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 
 use crate::cli::LangName;
 use base::diagnostic::{Diagnostic, Safety};
 use base::text::Shown;
 use lint::fix::{self, Outcome};
-use lint::{Input, Selection, Settings, by_code, run_with, sort};
+use lint::{Input, Selection, Settings, by_code, run_until, sort};
 
 use super::LintArgs;
 use super::config::{self, FILE_NAME, FileConfig};
@@ -109,11 +110,21 @@ impl Groups {
 
     /// Lints the files of these names, with all others as context.
     pub fn run_on(&self, inputs: &[Input], wanted: impl Fn(&str) -> bool) -> Vec<Diagnostic> {
+        self.run_until(inputs, wanted, &AtomicBool::new(false)).unwrap_or_default()
+    }
+
+    /// The same, unless `stop` becomes true: none then.
+    pub fn run_until(
+        &self,
+        inputs: &[Input],
+        wanted: impl Fn(&str) -> bool,
+        stop: &AtomicBool,
+    ) -> Option<Vec<Diagnostic>> {
         let groups = self.groups.iter().filter(|g| g.names.iter().any(|n| wanted(n)));
-        let run = |g: &Group| run_with(&self.inputs_of(g, inputs, &wanted), &g.settings);
-        let mut found: Vec<Diagnostic> = groups.flat_map(run).collect();
+        let run = |g: &Group| run_until(&self.inputs_of(g, inputs, &wanted), &g.settings, stop);
+        let mut found: Vec<Diagnostic> = groups.map(run).collect::<Option<Vec<_>>>()?.into_iter().flatten().collect();
         sort(&mut found);
-        found
+        Some(found)
     }
 
     /// Repairs all files.

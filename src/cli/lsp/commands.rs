@@ -9,17 +9,29 @@ use lsp_server::{ErrorCode, RequestId, Response, ResponseError};
 use serde_json::{Value, json};
 
 use super::requests::{Context, error, path_of};
+use super::results::{Results, read};
 
 /// Bytes of a command's output that are handed on.
 const MOST_OUTPUT: u64 = 4 << 20;
 
 /// The commands, with what they are called to people.
-pub(super) const COMMANDS: [&str; 5] =
-    ["shadercheck.explain", "shadercheck.fuzz", "shadercheck.check", "shadercheck.compare", "shadercheck.translate"];
+pub(super) const COMMANDS: [&str; 6] = [
+    "shadercheck.explain",
+    "shadercheck.fuzz",
+    "shadercheck.check",
+    "shadercheck.compare",
+    "shadercheck.improve",
+    "shadercheck.translate",
+];
+
+/// Languages that a shader is shown in.
+const LANGUAGES: [(&str, &str); 4] = [("spirv", "SPIR-V"), ("wgsl", "WGSL"), ("hlsl", "HLSL"), ("msl", "MSL")];
 
 /// A command that runs.
 pub(super) struct Running {
     pub request: RequestId,
+    /// The change after which it began.
+    pub revision: u64,
     child: Arc<Mutex<Child>>,
 }
 
@@ -37,10 +49,38 @@ impl Running {
 pub(super) struct Finished {
     pub token: String,
     pub response: Response,
+    /// What the view is called.
+    pub title: String,
+    /// What it found; none of one that was stopped.
+    pub results: Option<Results>,
 }
 
-/// What is asked for: the arguments of this program, and a text for its standard input if any.
-pub(super) fn arguments(command: &str, given: &[Value]) -> Result<Vec<String>, ResponseError> {
+/// What is asked for.
+#[derive(Clone, Debug)]
+pub(super) struct Asked {
+    pub command: String,
+    /// What a view of it is called.
+    pub title: String,
+    /// The language of a translation.
+    to: Option<String>,
+    /// The arguments of this program.
+    arguments: Vec<String>,
+}
+
+/// Reads what is asked for.
+pub(super) fn asked(command: &str, given: &[Value]) -> Result<Asked, ResponseError> {
+    let text = |index: usize| given.get(index).and_then(Value::as_str);
+    let name = text(0).and_then(|uri| uri.rsplit('/').next()).unwrap_or("");
+    let verb = command.rsplit('.').next().unwrap_or("");
+    let to = text(1).filter(|_| command == "shadercheck.translate").map(str::to_owned);
+    let title = match text(1) {
+        Some(function) if to.is_none() => format!("{verb} {function}"),
+        _ => format!("{verb} {name}"),
+    };
+    Ok(Asked { arguments: arguments(command, given)?, command: command.to_owned(), title, to })
+}
+
+fn arguments(command: &str, given: &[Value]) -> Result<Vec<String>, ResponseError> {
     let invalid = |why: &str| error(ErrorCode::InvalidParams, format!("`{command}`: {why}"));
     let text = |index: usize| given.get(index).and_then(Value::as_str);
     if command == "shadercheck.explain" {
@@ -59,19 +99,22 @@ pub(super) fn arguments(command: &str, given: &[Value]) -> Result<Vec<String>, R
     };
     let file = path(0)?;
     let mut all: Vec<String> = match command {
-        "shadercheck.fuzz" => vec!["fuzz".to_owned()],
-        "shadercheck.check" => vec!["check".to_owned()],
-        "shadercheck.compare" => vec!["compare".to_owned()],
-        _ => {
+        "shadercheck.translate" => {
             let to = text(1).ok_or_else(|| invalid("give a language"))?;
-            vec!["translate".to_owned(), format!("--to={to}")]
+            let entry = text(2).map(|entry| format!("--entry={entry}"));
+            ["translate".to_owned(), format!("--to={to}")].into_iter().chain(entry).collect()
         }
+        _ => vec![command.trim_start_matches("shadercheck.").to_owned(), "--format=json".to_owned()],
     };
-    if let Some(function) = text(1).filter(|_| command == "shadercheck.fuzz" || command == "shadercheck.compare") {
+    if let Some(function) = text(1).filter(|_| !["shadercheck.translate", "shadercheck.check"].contains(&command)) {
         all.push(format!("--function={function}"));
     }
     all.push("--".to_owned());
-    all.push(file.clone());
+    // Of one line: every expression, however little it loses.
+    match given.get(2).and_then(Value::as_u64).filter(|_| command == "shadercheck.improve") {
+        Some(line) => all.push(format!("{file}:{line}")),
+        None => all.push(file.clone()),
+    }
     if command == "shadercheck.compare" {
         let at = all.len() - 1;
         all.insert(at, format!("HEAD:{file}"));
@@ -81,15 +124,15 @@ pub(super) fn arguments(command: &str, given: &[Value]) -> Result<Vec<String>, R
 
 /// Starts a command; `done` is called with what came of it.
 pub(super) fn start(
-    request: RequestId,
-    arguments: &[String],
+    (request, revision): (RequestId, u64),
+    asked: Asked,
     token: String,
     done: impl FnOnce(Finished) + Send + 'static,
 ) -> Result<Running, ResponseError> {
     let failed = |why: std::io::Error| error(ErrorCode::RequestFailed, why.to_string());
     let program = std::env::current_exe().map_err(failed)?;
     let mut child = Command::new(program)
-        .args(arguments)
+        .args(&asked.arguments)
         .env("NO_COLOR", "1")
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
@@ -98,32 +141,57 @@ pub(super) fn start(
         .map_err(failed)?;
     let (out, err) = (child.stdout.take(), child.stderr.take());
     let child = Arc::new(Mutex::new(child));
-    let running = Running { request: request.clone(), child: child.clone() };
+    let running = Running { request: request.clone(), revision, child: child.clone() };
     std::thread::spawn(move || {
-        let complaints = std::thread::spawn(move || text_of(err));
-        let output = text_of(out);
+        let complaints = std::thread::spawn(move || String::from_utf8_lossy(&bytes_of(err)).into_owned());
+        let output = bytes_of(out);
+        let output = if asked.to.as_deref() == Some("spirv") {
+            listed(&output)
+        } else {
+            String::from_utf8_lossy(&output).into_owned()
+        };
         let complaints = complaints.join().unwrap_or_default();
         let status = child.lock().unwrap_or_else(PoisonError::into_inner).wait();
+        let mut results = None;
         let response_result = match status {
             Ok(status) if status.code().is_some() => {
-                Ok(json!({ "status": status.code(), "output": output, "messages": complaints }))
+                let mut found = read(&asked.command, asked.to.as_deref(), &output);
+                if found.text.is_empty() {
+                    (found.text, found.ending) = (complaints.clone(), "md");
+                }
+                let text = found.text.clone();
+                results = Some(found);
+                Ok(json!({ "status": status.code(), "output": text, "messages": complaints }))
             }
             Ok(_) => Err(error(ErrorCode::RequestCanceled, "the command was stopped".to_owned())),
             Err(why) => Err(error(ErrorCode::RequestFailed, why.to_string())),
         };
-        done(Finished { token, response: Response { id: request, response_result } });
+        let response = Response { id: request, response_result };
+        done(Finished { token, response, title: asked.title, results });
     });
     Ok(running)
 }
 
-fn text_of(from: Option<impl std::io::Read>) -> String {
+/// The instructions of a module.
+#[cfg(feature = "run")]
+fn listed(module: &[u8]) -> String {
+    program::listing("module", module).map_or_else(|why| why, |file| file.text().to_owned())
+}
+
+/// The linter alone translates nothing.
+#[cfg(not(feature = "run"))]
+fn listed(_: &[u8]) -> String {
+    String::new()
+}
+
+fn bytes_of(from: Option<impl std::io::Read>) -> Vec<u8> {
     let mut bytes = Vec::new();
     if let Some(mut from) = from {
         // What was read so far is told.
         drop(from.by_ref().take(MOST_OUTPUT).read_to_end(&mut bytes));
         drop(std::io::copy(&mut from, &mut std::io::sink()));
     }
-    String::from_utf8_lossy(&bytes).into_owned()
+    bytes
 }
 
 /// The lenses of a document.
@@ -140,12 +208,13 @@ pub(super) fn lenses(name: &str, context: &Context) -> Value {
     for (index, function) in functions.enumerate() {
         let (range, called) = (&function["selectionRange"], function["name"].as_str().unwrap_or(""));
         if called == "main" {
-            for to in ["wgsl", "hlsl", "msl"] {
-                all.push(lens(range, format!("Show as {to}"), "shadercheck.translate", json!([uri, to])));
+            for (to, called) in LANGUAGES {
+                all.push(lens(range, format!("Show as {called}"), "shadercheck.translate", json!([uri, to])));
             }
         } else if index < 200 {
             all.push(lens(range, format!("Fuzz {called}"), "shadercheck.fuzz", json!([uri, called])));
             all.push(lens(range, "Compare with HEAD".to_owned(), "shadercheck.compare", json!([uri, called])));
+            all.push(lens(range, "Improve".to_owned(), "shadercheck.improve", json!([uri, called])));
         }
     }
     if name.ends_with(".suite.toml") {

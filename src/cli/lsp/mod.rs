@@ -5,11 +5,16 @@
 
 mod commands;
 mod edits;
+#[cfg(feature = "run")]
+mod numbers;
 mod options;
 mod project;
 mod requests;
+mod results;
 mod server;
+mod shown;
 mod transport;
+mod views;
 
 use std::io::{BufReader, BufWriter, Write};
 use std::sync::mpsc::channel;

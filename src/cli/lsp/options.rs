@@ -4,8 +4,10 @@ use std::fmt;
 
 use base::diagnostic::Lang;
 use lsp::{Encoding, Hints};
-use serde_json::Value;
+use serde_json::{Value, json};
 
+use super::commands::COMMANDS;
+use super::requests::FIX_ALL;
 use crate::cli::lint::{LevelName, LintArgs};
 
 /// Options of a client.
@@ -23,6 +25,8 @@ pub(super) struct Options {
     pub encoding: Encoding,
     /// True when the client takes progress that the server begins.
     pub progress: bool,
+    /// True when the client can be asked to show a file.
+    pub shows: bool,
     /// True when the client can be asked to watch files.
     pub watches: bool,
 }
@@ -85,6 +89,35 @@ impl Options {
     }
 }
 
+/// What the server tells a client that it can do.
+pub(super) fn capabilities(encoding: Encoding) -> Value {
+    json!({
+        "serverInfo": { "name": "shadercheck", "version": env!("CARGO_PKG_VERSION") },
+        "capabilities": {
+            "positionEncoding": encoding.kind(),
+            "textDocumentSync": { "openClose": true, "change": 2, "save": { "includeText": false } },
+            "hoverProvider": true,
+            "definitionProvider": true,
+            "declarationProvider": true,
+            "referencesProvider": true,
+            "documentHighlightProvider": true,
+            "documentSymbolProvider": true,
+            "workspaceSymbolProvider": true,
+            "foldingRangeProvider": true,
+            "selectionRangeProvider": true,
+            "inlayHintProvider": true,
+            "renameProvider": { "prepareProvider": true },
+            "codeActionProvider": { "codeActionKinds": ["quickfix", FIX_ALL] },
+            "codeLensProvider": { "resolveProvider": false },
+            "completionProvider": { "triggerCharacters": [".", "\"", "'"], "resolveProvider": true },
+            "signatureHelpProvider": { "triggerCharacters": ["(", ","] },
+            "semanticTokensProvider": { "legend": lsp::legend(), "full": true, "range": true },
+            "executeCommandProvider": { "commands": COMMANDS },
+            "workspace": { "workspaceFolders": { "supported": true, "changeNotifications": true } },
+        },
+    })
+}
+
 fn level(value: &Value) -> Option<LevelName> {
     Some(match value.as_str()? {
         "default" => LevelName::Default,
@@ -105,7 +138,6 @@ fn lang(value: &Value) -> Option<crate::cli::LangName> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::json;
 
     #[test]
     fn what_cannot_be_taken_over_is_named() {

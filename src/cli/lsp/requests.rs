@@ -1,6 +1,6 @@
 //! Requests, each answered from the texts of the moment at which it came.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -8,8 +8,8 @@ use base::diagnostic::{Diagnostic, Safety};
 use base::text::{SourceFile, Span};
 use lint::Input;
 use ls_types::{
-    CodeAction, CodeActionKind, CodeActionParams, CompletionItem, Position, Range, TextDocumentPositionParams, Uri,
-    WorkspaceEdit,
+    CodeAction, CodeActionKind, CodeActionParams, CompletionItem, HoverContents, Position, Range,
+    TextDocumentPositionParams, Uri, WorkspaceEdit,
 };
 use lsp::{Place, Workspace};
 use lsp_server::{ErrorCode, ResponseError};
@@ -20,6 +20,7 @@ use serde_json::{Value, json};
 use super::edits::{between, workspace_edit};
 use super::options::Options;
 use super::project::{Project, name_of};
+use super::results::Found;
 
 /// The kind of the action that repairs a whole file.
 pub(super) const FIX_ALL: &str = "source.fixAll.shadercheck";
@@ -44,7 +45,14 @@ pub(super) fn answer(method: &str, params: Value, context: &Context) -> Answer {
     match method {
         "textDocument/hover" => {
             let (name, _, at) = context.place(params)?;
-            written(workspace.hover(&name, at))
+            let mut hover = workspace.hover(&name, at);
+            if let Some(HoverContents::Markup(text)) = hover.as_mut().map(|h| &mut h.contents)
+                && let Some(numbers) = numbers(workspace, &name, at)
+            {
+                text.value.push_str("\n\n");
+                text.value.push_str(&numbers);
+            }
+            written(hover)
         }
         "textDocument/definition" | "textDocument/declaration" => {
             let (name, _, at) = context.place(params)?;
@@ -126,6 +134,18 @@ pub(super) fn answer(method: &str, params: Value, context: &Context) -> Answer {
     }
 }
 
+/// How far a device may be off at a place.
+#[cfg(feature = "run")]
+fn numbers(workspace: &Workspace, name: &str, at: usize) -> Option<String> {
+    super::numbers::told(&workspace.probe(name, at)?)
+}
+
+/// The linter alone runs nothing.
+#[cfg(not(feature = "run"))]
+fn numbers(_: &Workspace, _: &str, _: usize) -> Option<String> {
+    None
+}
+
 /// An error of the protocol.
 pub(super) fn error(code: ErrorCode, message: String) -> ResponseError {
     ResponseError { code: code as i32, message, data: None }
@@ -204,8 +224,62 @@ impl Context {
         shown
     }
 
+    /// What a command found, as the client knows it, by file. A place counts only where the file is as it was when the
+    /// command read it: on the disk as in the editor, and the text that was found still there.
+    pub fn results(
+        &self,
+        source: &str,
+        found: &[Found],
+        unchanged: impl Fn(&str) -> bool,
+    ) -> BTreeMap<String, Vec<Value>> {
+        let mut by_file: BTreeMap<String, Vec<Value>> = BTreeMap::new();
+        for one in found {
+            let Some((name, line, column)) = one.place() else { continue };
+            let name = name_of(Path::new(name));
+            let Some(file) = self.workspace.file(&name).filter(|_| unchanged(&name)) else { continue };
+            let saved = !self.is_open(&name) || std::fs::read_to_string(&name).is_ok_and(|disk| disk == file.text());
+            let start = file.offset(base::text::Position { line, column });
+            let rest = &file.text()[start..];
+            let words = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
+            let length = one.text.as_ref().filter(|text| rest.starts_with(text.as_str())).map_or(words, String::len);
+            if !saved {
+                continue;
+            }
+            let range = self.options.encoding.range(file, Span::new(start, start + length));
+            let mut shown = json!({
+                "range": range, "severity": one.severity, "source": source, "message": self.shortened(one.message.clone()),
+            });
+            if let Some(replace) = &one.replace {
+                shown["data"] = json!({ "text": file.slice(Span::new(start, start + length)), "replace": replace });
+            }
+            by_file.entry(name).or_default().push(shown);
+        }
+        by_file
+    }
+
+    /// Repairs out of what commands found, which the client hands back with its diagnostics.
+    fn of_results(&self, file: &SourceFile, uri: &Uri, found: &[ls_types::Diagnostic]) -> Vec<CodeAction> {
+        let action = |d: &ls_types::Diagnostic| {
+            let data = d.data.as_ref()?;
+            let (text, replace) = (data["text"].as_str()?, data["replace"].as_str()?);
+            (file.slice(self.options.encoding.span(file, d.range)) == text).then_some(())?;
+            let edit = ls_types::TextEdit { range: d.range, new_text: replace.to_owned() };
+            Some(CodeAction {
+                title: format!("Write `{replace}`"),
+                kind: Some(CodeActionKind::QUICKFIX),
+                diagnostics: Some(vec![d.clone()]),
+                edit: Some(WorkspaceEdit {
+                    changes: Some(HashMap::from([(uri.clone(), vec![edit])])),
+                    ..WorkspaceEdit::default()
+                }),
+                ..CodeAction::default()
+            })
+        };
+        found.iter().filter_map(action).collect()
+    }
+
     /// A message with paths from the folders of the workspace.
-    fn shortened(&self, message: String) -> String {
+    pub fn shortened(&self, message: String) -> String {
         let prefix = |root: &PathBuf| format!("{}/", name_of(root).trim_end_matches('/'));
         self.roots.iter().map(prefix).filter(|p| p.len() > 1).fold(message, |text, prefix| text.replace(&prefix, ""))
     }
@@ -233,6 +307,7 @@ impl Context {
             let touched =
                 |d: &&&Diagnostic| d.span.touches(span) || (span.is_empty() && lines(d.span).contains(asked.start()));
             let here: Vec<_> = own.iter().filter(touched).map(|d| (*d, self.shown(d))).collect();
+            all.extend(self.of_results(file, &uri, &params.context.diagnostics));
             all.extend(lsp::actions(&here, &uri, self.options.lang(), self.options.encoding));
         }
         let fixable = own.iter().any(|d| d.fix.as_ref().is_some_and(|f| f.safety == Safety::Safe));

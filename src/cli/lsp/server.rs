@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
 use std::time::{Duration, Instant};
 
@@ -16,11 +17,13 @@ use lsp_server::{ErrorCode, Message, Notification, Request, RequestId, Response}
 use serde_json::{Value, json};
 
 use super::Event;
-use super::commands::{COMMANDS, Running, arguments, start};
+use super::commands::{Finished, Running, asked, start};
 use super::options::Options;
 use super::project::{Project, load, name_of};
-use super::requests::{Context, FIX_ALL, answer, error, path_of};
+use super::requests::{Context, answer, error, path_of};
+use super::shown::Shown;
 use super::transport::{Incoming, Outgoing};
+use super::views::Views;
 use crate::cli::lint::config::FILE_NAME;
 use crate::cli::lint::files::has_known_ending;
 
@@ -33,10 +36,20 @@ pub(super) struct Checked {
     revision: u64,
     /// The files; none for all of them.
     only: Option<BTreeSet<String>>,
-    /// What was found; none when the linter failed.
-    found: Option<Vec<Diagnostic>>,
+    /// What was found.
+    found: Found,
     /// Which files belong together, where all were looked at.
     related: Option<HashMap<String, BTreeSet<String>>>,
+}
+
+/// What came of a run of the linter.
+enum Found {
+    /// All that there is.
+    All(Vec<Diagnostic>),
+    /// It was stopped: a text changed.
+    Stopped,
+    /// A defect of the linter.
+    Failed,
 }
 
 /// An open document.
@@ -61,13 +74,17 @@ pub(super) struct Server {
     /// Files that changed and were not linted since, with their neighbours.
     dirty: BTreeSet<String>,
     checking: bool,
-    checking_all: bool,
+    /// Stops the run over all files that goes on, if any.
+    checking_all: Option<Arc<AtomicBool>>,
     check_all_at: Option<Instant>,
     reload_at: Option<Instant>,
     related: HashMap<String, BTreeSet<String>>,
     /// The change after which what is shown for a file was found.
     stamps: HashMap<String, u64>,
-    shown: BTreeSet<String>,
+    shown: Shown,
+    /// The last change of each file.
+    touched: HashMap<String, u64>,
+    views: Views,
     told: BTreeSet<String>,
     pending: BTreeSet<String>,
     running: HashMap<String, Running>,
@@ -100,12 +117,14 @@ impl Server {
             revision: 0,
             dirty: BTreeSet::new(),
             checking: false,
-            checking_all: false,
+            checking_all: None,
             check_all_at: None,
             reload_at: None,
             related: HashMap::new(),
             stamps: HashMap::new(),
-            shown: BTreeSet::new(),
+            shown: Shown::default(),
+            touched: HashMap::new(),
+            views: Views::default(),
             told: BTreeSet::new(),
             pending: BTreeSet::new(),
             running: HashMap::new(),
@@ -155,11 +174,7 @@ impl Server {
             Event::Incoming(Incoming::Message(Message::Response(_))) => {}
             Event::Checked(checked) => self.checked(checked),
             Event::Answered(response) => self.respond(response),
-            Event::Finished(finished) => {
-                self.running.remove(&finished.token);
-                self.progress(&finished.token, json!({ "kind": "end" }));
-                self.respond(finished.response);
-            }
+            Event::Finished(finished) => self.finished(finished),
         }
         None
     }
@@ -238,35 +253,11 @@ impl Server {
         let encodings: Vec<ls_types::PositionEncodingKind> = serde_json::from_value(offered).unwrap_or_default();
         self.options.encoding = Encoding::agreed(&encodings);
         self.options.progress = capabilities["window"]["workDoneProgress"] == json!(true);
+        self.options.shows = capabilities["window"]["showDocument"]["support"] == json!(true);
         self.options.watches = capabilities["workspace"]["didChangeWatchedFiles"]["dynamicRegistration"] == json!(true);
         self.configure(&params["initializationOptions"]);
         self.reload_at = Some(Instant::now());
-        let kinds = ["quickfix", FIX_ALL];
-        json!({
-            "serverInfo": { "name": "shadercheck", "version": env!("CARGO_PKG_VERSION") },
-            "capabilities": {
-                "positionEncoding": self.options.encoding.kind(),
-                "textDocumentSync": { "openClose": true, "change": 2, "save": { "includeText": false } },
-                "hoverProvider": true,
-                "definitionProvider": true,
-                "declarationProvider": true,
-                "referencesProvider": true,
-                "documentHighlightProvider": true,
-                "documentSymbolProvider": true,
-                "workspaceSymbolProvider": true,
-                "foldingRangeProvider": true,
-                "selectionRangeProvider": true,
-                "inlayHintProvider": true,
-                "renameProvider": { "prepareProvider": true },
-                "codeActionProvider": { "codeActionKinds": kinds },
-                "codeLensProvider": { "resolveProvider": false },
-                "completionProvider": { "triggerCharacters": [".", "\"", "'"], "resolveProvider": true },
-                "signatureHelpProvider": { "triggerCharacters": ["(", ","] },
-                "semanticTokensProvider": { "legend": lsp::legend(), "full": true, "range": true },
-                "executeCommandProvider": { "commands": COMMANDS },
-                "workspace": { "workspaceFolders": { "supported": true, "changeNotifications": true } },
-            },
-        })
+        super::options::capabilities(self.options.encoding)
     }
 
     fn configure(&mut self, given: &Value) {
@@ -363,10 +354,18 @@ impl Server {
     /// Notes that a text changed.
     fn touch(&mut self, name: &str) {
         self.revision += 1;
+        self.touched.insert(name.to_owned(), self.revision);
+        self.shown.forget_results(name);
         self.context = None;
         self.dirty.insert(name.to_owned());
         self.dirty.extend(self.related.get(name).into_iter().flatten().cloned());
         self.check_all_at = Some(Instant::now() + PAUSE);
+        self.stop_all();
+    }
+
+    /// Stops the run over all files: its texts are not those of now, and it takes the time that the next key needs.
+    fn stop_all(&self) {
+        self.checking_all.iter().for_each(|stop| stop.store(true, Ordering::Relaxed));
     }
 
     /// What is due.
@@ -381,9 +380,8 @@ impl Server {
             self.checking = true;
             self.check(Some(only));
         }
-        if !self.checking_all && !self.checking && self.check_all_at.is_some_and(|at| at <= now) {
+        if self.checking_all.is_none() && !self.checking && self.check_all_at.is_some_and(|at| at <= now) {
             self.check_all_at = None;
-            self.checking_all = true;
             self.check(None);
         }
     }
@@ -403,7 +401,7 @@ impl Server {
         self.context = None;
         self.dirty.extend(self.open.keys().cloned());
         self.check_all_at = Some(Instant::now());
-        self.checking_all = false;
+        self.stop_all();
     }
 
     /// The texts of this moment.
@@ -431,15 +429,24 @@ impl Server {
     /// Lints files in a thread of their own.
     fn check(&mut self, only: Option<BTreeSet<String>>) {
         let (context, events, revision) = (self.context(), self.events.clone(), self.revision);
+        let stop = Arc::new(AtomicBool::new(false));
+        if only.is_none() {
+            self.checking_all = Some(stop.clone());
+        }
         std::thread::spawn(move || {
             let groups = &context.project.groups;
             let run = || match &only {
-                Some(only) => (groups.run_on(&context.inputs, |name| only.contains(name)), None),
-                None => (groups.run(&context.inputs), Some(context.workspace.related())),
+                Some(only) => (groups.run_until(&context.inputs, |name| only.contains(name), &stop), None),
+                None => {
+                    let found = groups.run_until(&context.inputs, |_| true, &stop);
+                    let related = found.as_ref().map(|_| context.workspace.related());
+                    (found, related)
+                }
             };
             let (found, related) = match catch_unwind(AssertUnwindSafe(run)) {
-                Ok((found, related)) => (Some(found), related),
-                Err(_) => (None, None),
+                Ok((Some(found), related)) => (Found::All(found), related),
+                Ok((None, _)) => (Found::Stopped, None),
+                Err(_) => (Found::Failed, None),
             };
             drop(events.send(Event::Checked(Checked { revision, only, found, related })));
         });
@@ -453,20 +460,25 @@ impl Server {
                 self.checking = false;
                 self.check_all_at = self.check_all_at.map(|_| Instant::now() + PAUSE);
             }
-            None => self.checking_all = false,
+            None => self.checking_all = None,
         }
         if let Some(related) = related {
             self.related = related;
         }
-        let Some(found) = found else {
-            self.tell(ls_types::MessageType::ERROR, "shadercheck: a defect in the linter; please report it");
-            return;
+        let found = match found {
+            Found::All(found) => found,
+            // Whoever stopped it asked for another one.
+            Found::Stopped => return,
+            Found::Failed => {
+                self.tell(ls_types::MessageType::ERROR, "shadercheck: a defect in the linter; please report it");
+                return;
+            }
         };
         let context = self.context();
         let mut by_file: BTreeMap<String, Vec<Value>> = BTreeMap::new();
         let names = only.unwrap_or_else(|| {
             let reported = self.inputs.iter().filter(|i| i.reported).map(|i| i.file.name().to_owned());
-            reported.chain(self.shown.iter().cloned()).collect()
+            reported.chain(self.shown.names().cloned()).collect()
         });
         for name in names.into_iter().filter(|n| self.stamps.get(n).is_none_or(|stamp| *stamp <= revision)) {
             by_file.insert(name, Vec::new());
@@ -478,38 +490,71 @@ impl Server {
         }
         for (name, diagnostics) in by_file {
             self.stamps.insert(name.clone(), revision);
-            let any = !diagnostics.is_empty();
-            // A file that is open is told of each time: what is empty is an answer as well.
-            let was = if any { !self.shown.insert(name.clone()) } else { self.shown.remove(&name) };
-            let open = self.open.get(&name);
-            let Some(uri) = context.uri(&name).filter(|_| any || was || open.is_some()) else { continue };
-            let mut params = json!({ "uri": uri, "diagnostics": diagnostics });
+            self.shown.lint(&name, diagnostics);
             // Of a text that went on changing, the version is not the one that was looked at.
-            if let Some(document) = open.filter(|_| revision == self.revision) {
-                params["version"] = document.version.into();
-            }
-            self.notify("textDocument/publishDiagnostics", params);
+            self.publish(&context, &name, revision == self.revision);
         }
+    }
+
+    fn publish(&mut self, context: &Context, name: &str, current: bool) {
+        // A file that is open is told of each time: what is empty is an answer as well.
+        if self.views.has(name) {
+            return;
+        }
+        let open = self.open.get(name);
+        let Some(diagnostics) = self.shown.all(name, open.is_some()) else { return };
+        let Some(uri) = context.uri(name) else { return };
+        let mut params = json!({ "uri": uri, "diagnostics": diagnostics });
+        if let Some(document) = open.filter(|_| current) {
+            params["version"] = document.version.into();
+        }
+        self.notify("textDocument/publishDiagnostics", params);
+    }
+
+    /// Shows what a command found: at its places, as far as these texts are still there, and as a view.
+    fn finished(&mut self, Finished { token, mut response, title, results }: Finished) {
+        let revision = self.running.remove(&token).map_or(0, |running| running.revision);
+        self.progress(&token, json!({ "kind": "end" }));
+        if let Some(results) = results {
+            let context = self.context();
+            let source = format!("shadercheck {}", title.split(' ').next().unwrap_or(""));
+            let found = context.results(&source, &results.found, |name| {
+                self.touched.get(name).is_none_or(|touched| *touched <= revision)
+            });
+            for name in self.shown.results(&source, found) {
+                self.publish(&context, &name, true);
+            }
+            let text = context.shortened(results.text);
+            if let Some(uri) = self.views.write(&title, results.ending, &text) {
+                if let Ok(answer) = &mut response.response_result {
+                    (answer["view"], answer["output"]) = (json!(uri), text.into());
+                }
+                if self.options.shows {
+                    self.ask("window/showDocument", json!({ "uri": uri, "takeFocus": false }));
+                }
+            }
+        }
+        self.respond(response);
     }
 
     fn execute(&mut self, id: &RequestId, params: &Value) -> Result<(), lsp_server::ResponseError> {
         let command = params["command"].as_str().unwrap_or("");
         let given = params["arguments"].as_array().cloned().unwrap_or_default();
-        let arguments = arguments(command, &given)?;
+        let asked = asked(command, &given)?;
         self.numbers += 1;
         let token = match params["workDoneToken"].as_str() {
             Some(token) => token.to_owned(),
             None => format!("shadercheck-run-{}", self.numbers),
         };
         let events = self.events.clone();
-        let running = start(id.clone(), &arguments, token.clone(), move |finished| {
+        let title = format!("shadercheck {}", asked.title);
+        let running = start((id.clone(), self.revision), asked, token.clone(), move |finished| {
             drop(events.send(Event::Finished(finished)));
         })?;
         self.running.insert(token.clone(), running);
         if self.options.progress && params["workDoneToken"].is_null() {
             self.ask("window/workDoneProgress/create", json!({ "token": token }));
         }
-        let title = command.replace('.', " ");
         self.progress(&token, json!({ "kind": "begin", "title": title, "cancellable": true }));
         Ok(())
     }

@@ -47,8 +47,7 @@ impl Client {
         });
         let mut client =
             Self { child, root: root.to_owned(), messages, number: 0, shown: HashMap::new(), server: Value::Null };
-        let capabilities =
-            json!({ "general": { "positionEncodings": encodings }, "window": { "workDoneProgress": true } });
+        let capabilities = json!({ "general": { "positionEncodings": encodings }, "window": { "workDoneProgress": true, "showDocument": { "support": true } } });
         let params = json!({ "processId": null, "rootUri": uri(root), "capabilities": capabilities, "initializationOptions": options });
         client.server = client.ask("initialize", params).unwrap();
         client.notify("initialized", json!({}));

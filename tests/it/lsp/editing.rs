@@ -1,6 +1,7 @@
 //! What an editor shows and does while texts change.
 
 use std::path::Path;
+use std::time::Duration;
 
 use serde_json::{Value, json};
 use tempfile::TempDir;
@@ -50,6 +51,42 @@ fn an_edited_shader_changes_what_is_found_in_its_host_and_back() {
     client.change("main.cpp", 2, [3, 39, 3, 43], "tone2");
     client.until_found("main.cpp", &[]);
     assert_eq!(std::fs::read_to_string(folder.path().join("a.frag")).unwrap(), FRAGMENT);
+    assert_eq!(client.end(), Some(0));
+}
+
+#[test]
+fn after_fast_typing_what_is_shown_is_what_the_command_finds() {
+    let folder = workspace();
+    let mut client = Client::new(folder.path());
+    client.open("a.frag");
+    client.until_found("a.frag", &[]);
+    // Runs over all files begin in the pauses, and the next key stops them.
+    let (mut version, mut text) = (1, FRAGMENT.to_owned());
+    for pause in [0, 505, 520, 0, 540, 560] {
+        for letter in ["x", "y", "z"] {
+            version += 1;
+            client.change("a.frag", version, [1, 17, 1, 17], letter);
+            text = text.replacen("tint", &format!("tint{letter}"), 1);
+        }
+        std::thread::sleep(Duration::from_millis(pause));
+    }
+    let uri = client.uri("a.frag");
+    client.until(|m| m["params"]["uri"] == uri.as_str() && m["params"]["version"] == version);
+    client.until_found("main.cpp", &["H003"]);
+    // Nothing that was found before comes behind it.
+    std::thread::sleep(Duration::from_secs(2));
+    client.ask("workspace/symbol", json!({ "query": "" })).unwrap();
+    let copy = workspace();
+    std::fs::write(copy.path().join("a.frag"), &text).unwrap();
+    let ran = crate::binary::run_in(copy.path(), "lint --lang en --format json .").json();
+    let expected = |name: &str| -> Vec<Value> {
+        let found = ran.as_array().unwrap().iter();
+        found.filter(|d| d["file"].as_str().unwrap().ends_with(name)).map(|d| d["code"].clone()).collect()
+    };
+    for name in ["a.vert", "a.frag", "main.cpp"] {
+        let shown = client.shown.get(&client.uri(name)).into_iter().flatten().map(|d| d["code"].clone());
+        assert_eq!(shown.collect::<Vec<_>>(), expected(name), "{name}: {ran:#}");
+    }
     assert_eq!(client.end(), Some(0));
 }
 
@@ -190,6 +227,21 @@ fn completion_knows_components_members_and_names_in_host_strings() {
     assert!(has(&found, "tint") && has(&found, "view") && !has(&found, "place"), "{found:?}");
     let found = labels(&mut client, "a.frag", 6, 10);
     assert!(has(&found, "tint") && has(&found, "gl_FragCoord") && has(&found, "mix") && !has(&found, "gl_Vertex"));
+}
+
+#[test]
+fn offsets_are_told_of_what_lies_in_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "struct Lamp {\n  place: vec3f,\n  power: f32,\n  tint: vec3f,\n}\nstruct Out {\n  @builtin(position) p: vec4f,\n  @location(0) tone: vec3f,\n}\n@group(0) @binding(0) var<uniform> lamp: Lamp;\n@vertex fn vs() -> Out {\n  return Out(vec4f(lamp.place, lamp.power), lamp.tint);\n}\n";
+    std::fs::write(folder.path().join("a.wgsl"), text).unwrap();
+    let mut client = Client::new(folder.path());
+    client.open("a.wgsl");
+    let range = json!({ "start": { "line": 0, "character": 0 }, "end": { "line": 13, "character": 0 } });
+    let params = json!({ "textDocument": { "uri": client.uri("a.wgsl") }, "range": range });
+    let hints = client.ask("textDocument/inlayHint", params).unwrap();
+    let labels: Vec<String> =
+        hints.as_array().unwrap().iter().map(|h| h["label"].as_str().unwrap().to_owned()).collect();
+    assert_eq!(labels, ["offset 0", "offset 12", "offset 16"], "and none of what goes from stage to stage");
 }
 
 /// True when a folder holds what it held.

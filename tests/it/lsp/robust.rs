@@ -1,6 +1,8 @@
 //! Clients and workspaces that are not as they should be: the server goes on or ends, writes nothing and loses nothing.
 
 use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
 
 use serde_json::json;
 
@@ -92,7 +94,51 @@ fn a_run_is_stopped_by_its_client_and_with_it() {
     client.until(|m| m["method"] == "$/progress" && m["params"]["value"]["kind"] == "begin");
     drop(client.child.stdin.take());
     assert_eq!(client.wait(), Some(1));
+    // Neither of the two runs goes on by itself.
+    let end = Instant::now() + Duration::from_secs(20);
+    while runs_in(folder.path()) {
+        assert!(Instant::now() < end, "a run outlives its server");
+        std::thread::sleep(Duration::from_millis(50));
+    }
     assert_eq!(fs::read_to_string(folder.path().join("slow.glsl")).unwrap(), slow);
+}
+
+/// True while a process has a file of this folder among its arguments, where the system tells.
+fn runs_in(folder: &Path) -> bool {
+    let folder = folder.to_str().unwrap();
+    let named = |process: fs::DirEntry| {
+        fs::read(process.path().join("cmdline")).is_ok_and(|line| String::from_utf8_lossy(&line).contains(folder))
+    };
+    fs::read_dir("/proc").is_ok_and(|all| all.flatten().any(named))
+}
+
+#[test]
+fn a_file_that_is_saved_in_another_encoding_keeps_what_the_editor_has() {
+    let folder = workspace();
+    let mut client = Client::new(folder.path());
+    client.open("main.cpp");
+    client.until_found("main.cpp", &[]);
+    let host = fs::read_to_string(folder.path().join("main.cpp")).unwrap();
+    let wrong = host.replace("\"tint\"", "\"taint\"");
+    let bytes = [b"// \x8b\x85\x82\xcc\x90\x46\n".as_slice(), wrong.as_bytes()].concat();
+    // The editor writes its text in Shift_JIS, and goes on with it.
+    client.change("main.cpp", 2, [0, 0, 0, 0], "// 球の色\n");
+    client.change("main.cpp", 3, [4, 39, 4, 43], "taint");
+    fs::write(folder.path().join("main.cpp"), &bytes).unwrap();
+    client.notify("textDocument/didSave", json!({ "textDocument": { "uri": client.uri("main.cpp") } }));
+    client.until_found("main.cpp", &["H003"]);
+    let uri = client.uri("main.cpp");
+    assert_eq!(client.shown[&uri][0]["range"]["start"], json!({ "line": 4, "character": 38 }));
+    // Closed, the file on the disk counts; it is read in its encoding.
+    client.notify("textDocument/didClose", json!({ "textDocument": { "uri": uri } }));
+    client.ask("workspace/symbol", json!({ "query": "" })).unwrap();
+    let refused = {
+        client.open("a.vert");
+        client.rename("a.vert", [1, 14], "camera").unwrap_err()
+    };
+    assert!(refused.contains("Shift_JIS"), "{refused}");
+    assert_eq!(client.end(), Some(0));
+    assert_eq!(fs::read(folder.path().join("main.cpp")).unwrap(), bytes);
 }
 
 #[test]
