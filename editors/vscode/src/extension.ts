@@ -42,10 +42,27 @@ async function start(): Promise<void> {
     {
       initializationOptions: lang === "auto" ? {} : { lang },
       documentSelector: languages.map((language) => ({ scheme: "file", language })),
+      middleware: { window: { showDocument: (params) => beside(vscode.Uri.parse(params.uri)) } },
       synchronize: { fileEvents: vscode.workspace.createFileSystemWatcher("**/shadercheck.toml") },
     },
   );
   await client.start();
+}
+
+/** Shows what a command of the server wrote, and leaves the cursor where it is. */
+async function beside(uri: vscode.Uri): Promise<{ success: boolean }> {
+  const document = await vscode.workspace.openTextDocument(uri);
+  const options = { viewColumn: vscode.ViewColumn.Beside, preserveFocus: true, preview: true };
+  await vscode.window.showTextDocument(document, options);
+  return { success: true };
+}
+
+/** Looks for better formulas for the expressions in the line of the cursor. */
+async function improve(): Promise<void> {
+  const editor = vscode.window.activeTextEditor;
+  if (!editor || !client) return;
+  const line = editor.selection.active.line + 1;
+  await vscode.commands.executeCommand("shadercheck.improve", editor.document.uri.toString(), null, line);
 }
 
 async function stop(): Promise<void> {
@@ -97,6 +114,7 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
     vscode.commands.registerCommand("shadercheck.restart", restart),
     vscode.commands.registerCommand("shadercheck.report", report),
     vscode.commands.registerCommand("shadercheck.version", version),
+    vscode.commands.registerCommand("shadercheck.improveExpression", improve),
     vscode.workspace.onDidChangeConfiguration((change) => {
       if (change.affectsConfiguration("shadercheck")) void restart();
     }),

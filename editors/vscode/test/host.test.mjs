@@ -162,7 +162,8 @@ test("it is activated, starts the server with the settings, and shows suites", a
   await extension.activate({ subscriptions: [] });
   assert.deepEqual(seen.errors, []);
   assert.equal(readFileSync(path.join(folder, "calls"), "utf8"), "lsp\n");
-  assert.deepEqual(seen.commands.sort(), ["shadercheck.report", "shadercheck.restart", "shadercheck.version"]);
+  const commands = ["improveExpression", "report", "restart", "version"].map((name) => `shadercheck.${name}`);
+  assert.deepEqual(seen.commands.sort(), commands);
   assert.deepEqual([...seen.items.values()].map((item) => item.label), ["tone"]);
   await seen.run(request, token);
   assert.deepEqual(seen.results, [["passed", "tone", [""]], ["end"]]);

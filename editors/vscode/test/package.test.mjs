@@ -12,7 +12,20 @@ const sources = readdirSync(path.join(root, "src")).map((name) => readFileSync(p
 test("the package holds the bundle and its papers, and nothing else", () => {
   const vsce = path.join(root, "node_modules", ".bin", "vsce");
   const files = execFileSync(vsce, ["ls", "--no-dependencies"], { cwd: root, encoding: "utf8" }).trim().split("\n").sort();
-  assert.deepEqual(files, ["CHANGELOG.md", "LICENSE", "README.md", "dist/extension.js", "language.json", "package.json"]);
+  const grammars = ["syntaxes/glsl.tmLanguage.json", "syntaxes/wgsl.tmLanguage.json"];
+  const papers = ["CHANGELOG.md", "LICENSE", "README.md"];
+  assert.deepEqual(files, [...papers, "dist/extension.js", "language.json", "package.json", ...grammars]);
+});
+
+test("grammars tell comments, words and numbers apart", () => {
+  for (const { language, path: file } of manifest.contributes.grammars) {
+    const { patterns } = JSON.parse(readFileSync(path.join(root, file), "utf8"));
+    const scope = (text) => patterns.find((p) => new RegExp(`^(?:${p.match ?? p.begin})`).exec(text)?.[0] === text)?.name;
+    const said = { "// x": "comment.line", return: "keyword.control", "1.5e-3": "constant.numeric", true: "constant.language" };
+    const own = language === "glsl" ? { vec3: "storage.type", uniform: "storage.modifier" } : { vec3f: "storage.type", "@group": "storage.modifier" };
+    for (const [text, kind] of Object.entries({ ...said, ...own })) assert.ok(scope(text)?.startsWith(kind), `${language}: ${text}`);
+    assert.equal(scope("uniformly"), undefined);
+  }
 });
 
 test("every command of the manifest is registered, and no other", () => {
