@@ -2,6 +2,7 @@
 
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command prints its figures")]
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -9,9 +10,9 @@ use anyhow::{Context, Result, bail};
 use base::text::SourceFile;
 use chapter::SUITES;
 use engine::adversary::Strategy;
-use engine::suite::parse;
 use engine::suite::run::soundness::{Request, Row, check};
 use engine::suite::run::{Prepared, prepare};
+use engine::suite::{load, parse};
 
 /// Samples where none are asked for, as when all benchmarks run.
 const SAMPLES: u64 = 1_000_000;
@@ -30,8 +31,9 @@ fn main() -> ExitCode {
 
 /// Prints what came out; gives the number of wrong accusations.
 fn run() -> Result<u64> {
-    let request = request(std::env::args().skip(1))?;
-    let suites = suites()?;
+    let (request, files) = request(std::env::args().skip(1))?;
+    let suites =
+        if files.is_empty() { suites()? } else { files.iter().map(|path| read(path)).collect::<Result<_>>()? };
     let start = Instant::now();
     let found = check(&suites, &request, &mut |done| {
         eprintln!("{done} of {} samples, {:.0} s", request.samples, start.elapsed().as_secs_f64());
@@ -96,11 +98,16 @@ fn line(suites: &[Prepared], profile: &str, rearranges: bool, strategy: Strategy
     );
 }
 
-fn request(arguments: impl Iterator<Item = String>) -> Result<Request> {
-    let mut request = Request::new(SAMPLES, SEED);
+/// What is asked for, and the files of suites that run in place of the chapter's.
+fn request(arguments: impl Iterator<Item = String>) -> Result<(Request, Vec<PathBuf>)> {
+    let (mut request, mut files) = (Request::new(SAMPLES, SEED), Vec::new());
     // Cargo adds `--bench`.
     let mut arguments = arguments.filter(|argument| argument != "--bench");
     while let Some(argument) = arguments.next() {
+        if !argument.starts_with("--") {
+            files.push(PathBuf::from(argument));
+            continue;
+        }
         let value = arguments.next().with_context(|| format!("`{argument}` needs a value"))?;
         let number = value.parse().with_context(|| format!("`{argument} {value}` is no number"))?;
         match argument.as_str() {
@@ -109,7 +116,13 @@ fn request(arguments: impl Iterator<Item = String>) -> Result<Request> {
             _ => bail!("there is no option `{argument}`; options are --samples N and --seed N"),
         }
     }
-    Ok(request)
+    Ok((request, files))
+}
+
+/// A suite of a file, in whatever language its shader is.
+fn read(path: &Path) -> Result<Prepared> {
+    let loaded = load(path)?;
+    Ok(prepare(&loaded.suite, &loaded.shader)?)
 }
 
 fn suites() -> Result<Vec<Prepared>> {

@@ -4,7 +4,7 @@ use base::text::SourceFile;
 use engine::adversary::{Fault, Strategy};
 use engine::suite::run::soundness::{Request, Soundness, check};
 use engine::suite::run::{Prepared, prepare};
-use engine::suite::{parse, shipped};
+use engine::suite::{load, parse, search, shipped};
 use judge::profile::{Op, by_name};
 use judge::tape::{Model, Tape};
 use lanes::Stage;
@@ -56,6 +56,26 @@ fn no_conforming_device_is_accused() {
         let used = row.used.as_ref().map_or(0.0, |used| used.part);
         assert!(used <= 1.0, "{} {:?} {used}", suites[row.suite].suite.name, row.behaviour.strategy);
     }
+}
+
+/// The copies of the chapter's shaders in WGSL, with their own suites.
+#[test]
+fn no_conforming_device_is_accused_by_what_is_written_in_wgsl() {
+    let files = search(std::path::Path::new("fixtures/languages")).unwrap();
+    let suites: Vec<Prepared> = files
+        .iter()
+        .map(|path| {
+            let loaded = load(path).unwrap();
+            prepare(&loaded.suite, &loaded.shader).unwrap()
+        })
+        .collect();
+    assert_eq!(suites.len(), 14);
+    let found = check(&suites, &Request::new(200_000, 9), &mut |_| {}).unwrap();
+    assert_eq!(found.violations(), 0, "{}", complaints(&found));
+    assert!(found.judged() > 150_000, "{} {}", found.judged(), found.undetermined());
+    let mut request = Request::new(50_000, 9);
+    request.fault = Some(Fault { op: Op::Sin, factor: 4.0 });
+    assert!(check(&suites, &request, &mut |_| {}).unwrap().violations() > 0, "a fault beyond the promise");
 }
 
 const TINY: &str = "#version 150

@@ -50,9 +50,9 @@ usage: cargo xtask <task> [arguments]
                     into an empty folder and lint a shader with it; --program packages FILE, --lint builds the linter
                     alone; formats that are named are made, or else all whose tools are installed; --papers writes what
                     comes with the program to FOLDER, and packages nothing
-  soundness [--samples N] [--seed N]
+  soundness [--samples N] [--seed N] [SUITE.toml...]
                     judge devices that err as far as they may, 100 million samples unless told
-                    otherwise; status 1 when one of them is accused
+                    otherwise, on suite files that are named or the chapter's; status 1 when one of them is accused
   survey FOLDER... [--list REASON] [--every N] [--run] [--vulkan] [--translate]
                     how many shaders of some folders reach a valid module, by version and stage, and what
                     stops the others; --list names the files that REASON stops, --every takes one
