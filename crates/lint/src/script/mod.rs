@@ -162,7 +162,8 @@ fn stage(text: &Text) -> Option<Stage> {
     let has = |words: &[&str]| words.iter().any(|word| marks::has_word(&code, word));
     let other = ["float2", "float3", "float4", "cbuffer", "using", "import", "public", "SV_Position", "metal_stdlib"];
     // A string that is cut within a block is a piece of a longer text.
-    if has(&other) || code.matches('{').count() != code.matches('}').count() {
+    // Data in JSON has quoted texts in it; its own braces are not those of a shader.
+    if code.trim_start().starts_with('{') || has(&other) || code.matches('{').count() != code.matches('}').count() {
         return None;
     }
     if marks::has_main(&code) {

@@ -152,3 +152,10 @@ fn a_text_that_breaks_off_anywhere_does_no_harm() {
         }
     }
 }
+
+#[test]
+fn data_with_quoted_texts_is_no_shader() {
+    let json = "{ \"NAME\": \"plain\", \"FRAGMENT\": \"void main() { gl_FragColor = vec4(1.0); }\" }";
+    assert!(found("a.rs", &format!("const ISF: &str = r#\"{json}\"#;")).is_empty());
+    assert!(found("a.js", &format!("const isf = '{json}';")).is_empty());
+}

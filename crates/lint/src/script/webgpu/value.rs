@@ -208,6 +208,9 @@ impl<'t> Values<'_, 't> {
             let written: Vec<&Write> = inside.iter().copied().filter(|w| !w.declares && w.at > from_there).collect();
             match (declared, written.as_slice()) {
                 (Some(only), []) | (None, &[only]) => {
+                    if self.is_changed(name, &body) {
+                        return None;
+                    }
                     return Some(Value { tokens: only.value.clone(), frame: from.frame.clone() });
                 }
                 (None, []) => {}
@@ -222,6 +225,33 @@ impl<'t> Values<'_, 't> {
             [only] => Some(Value { tokens: only.value.clone(), frame: None }),
             _ => None,
         }
+    }
+
+    /// True where a method of a list changes the variable: what it was declared with is not all of it.
+    fn is_changed(&self, name: &str, body: &Range<usize>) -> bool {
+        const METHODS: [&str; 15] = [
+            "push",
+            "extend",
+            "extend_from_slice",
+            "append",
+            "insert",
+            "remove",
+            "pop",
+            "truncate",
+            "clear",
+            "resize",
+            "retain",
+            "drain",
+            "splice",
+            "unshift",
+            "shift",
+        ];
+        let code = self.code;
+        body.clone().filter(|at| code.word(*at) == Some(name)).any(|at| {
+            let of_another = at.checked_sub(1).is_some_and(|before| code.is_mark(before, '.'));
+            let method = code.is_mark(at + 1, '.') && code.is_mark(at + 3, '(');
+            !of_another && method && code.word(at + 2).is_some_and(|word| METHODS.contains(&word))
+        })
     }
 
     fn variable_or_none(&self, name: &str, from: &Value) -> Option<Value> {

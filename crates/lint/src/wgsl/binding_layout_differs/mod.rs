@@ -180,7 +180,11 @@ mod tests {
     }
 
     fn rust(visibility: &str, ty: &str, module: &str) -> Vec<String> {
-        let host = format!(
+        found("a.rs", &rust_host(visibility, ty), module)
+    }
+
+    fn rust_host(visibility: &str, ty: &str) -> String {
+        format!(
             "struct A {{ layout: wgpu::BindGroupLayout }}\nfn f(device: &wgpu::Device) {{\n\
              let m = device.create_shader_module(wgpu::include_wgsl!(\"a.wgsl\"));\n\
              let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {{ label: None, entries: &[wgpu::BindGroupLayoutEntry {{ binding: 0, visibility: wgpu::ShaderStages::{visibility}, ty: wgpu::BindingType::{ty}, count: None }}] }});\n\
@@ -188,8 +192,7 @@ mod tests {
              let p = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {{ layout: Some(&pl),\n\
              vertex: wgpu::VertexState {{ module: &m, entry_point: Some(\"vs\"), buffers: &[] }},\n\
              fragment: Some(wgpu::FragmentState {{ module: &m, entry_point: Some(\"fs\"), targets: &[] }}), multiview: None }});\n}}\n"
-        );
-        found("a.rs", &host, module)
+        )
     }
 
     const UNIFORM: &str =
@@ -236,6 +239,24 @@ mod tests {
         assert!(rust("FRAGMENT", &storage_texture("Rgba8Unorm", "WriteOnly"), &stored).is_empty());
         assert_eq!(rust("FRAGMENT", &storage_texture("Rgba16Float", "WriteOnly"), &stored).len(), 1);
         assert_eq!(rust("FRAGMENT", &storage_texture("Rgba8Unorm", "ReadOnly"), &stored).len(), 1);
+    }
+
+    #[test]
+    fn a_list_that_grows_is_not_known() {
+        let light = module("var<uniform> light: Light;", "light.power")
+            .replace("@group(0) @binding(0)", "@group(1) @binding(0)");
+        let listed = |changed: &str| {
+            let list = format!("let mut all = vec![&layout];\n{changed}\nlet pl =");
+            let host = rust_host("FRAGMENT", UNIFORM).replace("let pl =", &list);
+            found("a.rs", &host.replace("&[&layout]", "&all"), &light)
+        };
+        assert_eq!(
+            listed("other.push(1);"),
+            ["the fragment stage uses group 1 (`light`), and the pipeline has 1 groups"]
+        );
+        for changed in ["if let Some(more) = more { all.extend_from_slice(more); }", "all.push(&more);"] {
+            assert!(listed(changed).is_empty(), "{changed}");
+        }
     }
 
     #[test]

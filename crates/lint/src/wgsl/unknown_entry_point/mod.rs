@@ -168,6 +168,13 @@ mod tests {
         assert_eq!(count("src/a.rs", given, MODULE), 0);
         let other = "fn f() { include_wgsl!(\"other.wgsl\"); g(S { entry_point: \"main\", }); }";
         assert_eq!(count("src/a.rs", other, MODULE), 0);
+        // A module in SPIR-V is no text that is read.
+        for other in ["include_spirv_raw!(\"a.spv\")", "wgpu::ShaderSource::SpirV(words)"] {
+            let either = format!(
+                "fn f() {{ include_wgsl!(\"shader.wgsl\"); let m = make({other}); g(S {{ entry_point: \"main\", }}); }}"
+            );
+            assert_eq!(count("src/a.rs", &either, MODULE), 0);
+        }
         let plain = "fn f() { include_wgsl!(\"shader.wgsl\"); g(S { entry_point: \"main\", }); }";
         assert_eq!(count("src/a.rs", plain, &format!("#import b\n{MODULE}")), 0);
     }
