@@ -1,7 +1,9 @@
 //! naga's validator, contained, with its errors told about the author's text.
 
-use naga::valid::{CallError, EntryPointError, ExpressionError, FunctionError, ModuleInfo, ValidationError};
-use naga::{Block, Handle, Module, Statement, SwitchValue, WithSpan};
+use naga::valid::{
+    CallError, EntryPointError, ExpressionError, FunctionError, ModuleInfo, ValidationError, VaryingError,
+};
+use naga::{Block, BuiltIn, Handle, Module, Statement, SwitchValue, WithSpan};
 
 use super::{ProgramError, contain, validator};
 use base::diagnostic::{Code, Diagnostic, Severity};
@@ -115,7 +117,20 @@ fn validation_error(file: &SourceFile, module: &Module, error: &WithSpan<Validat
             without_handles(&text)
         }
     };
-    diagnostic(file, span, lowercase_first(&message))
+    let found = diagnostic(file, span, lowercase_first(&message));
+    if is_of_an_extension(inner) { Diagnostic { code: UNSUPPORTED, ..found } } else { found }
+}
+
+/// True for the type of a built-in value that WGSL does not have: it differs between versions of the readers.
+fn is_of_an_extension(error: &ValidationError) -> bool {
+    let ValidationError::EntryPoint {
+        source: EntryPointError::Argument(_, varying) | EntryPointError::Result(varying),
+        ..
+    } = error
+    else {
+        return false;
+    };
+    matches!(varying, VaryingError::InvalidBuiltInType(BuiltIn::ViewIndex, _))
 }
 
 /// The place of the first call of a function.
@@ -146,12 +161,73 @@ fn without_handles(text: &str) -> String {
         }
     }
     out.push_str(rest);
-    out
+    spelled(&out)
+}
+
+/// Types as WGSL spells them, in place of how naga prints its own.
+fn spelled(text: &str) -> String {
+    const SCALARS: [(&str, u8, &str); 10] = [
+        ("Bool", 1, "bool"),
+        ("Sint", 4, "i32"),
+        ("Uint", 4, "u32"),
+        ("Float", 4, "f32"),
+        ("Float", 2, "f16"),
+        ("Float", 8, "f64"),
+        ("Sint", 8, "i64"),
+        ("Uint", 8, "u64"),
+        ("AbstractInt", 8, "AbstractInt"),
+        ("AbstractFloat", 8, "AbstractFloat"),
+    ];
+    const SIZES: [(&str, u8); 3] = [("Bi", 2), ("Tri", 3), ("Quad", 4)];
+    let mut out = text.to_owned();
+    for (kind, width, name) in SCALARS {
+        let scalar = format!("Scalar {{ kind: {kind}, width: {width} }}");
+        if !out.contains(&scalar) {
+            continue;
+        }
+        out = out.replace(&format!("Scalar({scalar})"), &format!("`{name}`"));
+        for (size, n) in SIZES {
+            out = out.replace(&format!("Vector {{ size: {size}, scalar: {scalar} }}"), &format!("`vec{n}<{name}>`"));
+            for (columns, c) in SIZES {
+                let matrix = format!("Matrix {{ columns: {columns}, rows: {size}, scalar: {scalar} }}");
+                out = out.replace(&matrix, &format!("`mat{c}x{n}<{name}>`"));
+            }
+        }
+    }
+    if out == text { out } else { out.replace("(of type `", "`").replace("`)", "`") }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::without_handles;
+    use super::{UNSUPPORTED, VALIDATOR, without_handles};
+    use crate::{ModuleText, ProgramError, Written};
+    use base::text::SourceFile;
+
+    fn refused(text: &str) -> Vec<(&'static str, String)> {
+        match ModuleText::read(&SourceFile::new("a.wgsl", text), Written::Wgsl) {
+            Err(ProgramError::Source(found)) => found.iter().map(|d| (d.code.0, d.message.to_string())).collect(),
+            _ => Vec::new(),
+        }
+    }
+
+    #[test]
+    fn types_are_spelled_as_the_author_does() {
+        let told = refused("fn f(a: vec2<i32>, b: vec2<u32>) -> vec2<bool> { return a < b; }\n");
+        let [(code, message)] = told.as_slice() else { panic!("{told:?}") };
+        assert_eq!(*code, VALIDATOR.0);
+        assert!(message.ends_with("Operation Less can't work with `vec2<i32>` and `vec2<u32>`"), "{message}");
+    }
+
+    #[test]
+    fn the_type_of_a_built_in_value_of_an_extension_is_no_fault() {
+        let entry = |name: &str, ty: &str| {
+            let head = format!("@fragment fn main(@builtin({name}) it: {ty})");
+            refused(&format!("{head} -> @location(0) vec4<f32> {{ return vec4<f32>(f32(it)); }}\n"))
+        };
+        assert!(entry("view_index", "u32").is_empty());
+        assert!(entry("view_index", "i32").iter().all(|(code, _)| *code == UNSUPPORTED.0));
+        assert!(entry("sample_index", "i32").iter().any(|(code, _)| *code == VALIDATOR.0));
+    }
 
     #[test]
     fn arena_indices_are_taken_out() {
