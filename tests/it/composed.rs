@@ -133,6 +133,40 @@ fn repairs_and_comments_hold_in_a_text_with_imports() {
 }
 
 #[test]
+fn what_every_version_of_the_language_refuses_is_told() {
+    let wrong = [
+        ("fn f(a: f32) -> f32 {\n  let a = 2.0 * a;\n  return a;\n}\n", 2, "redefinition of `a`"),
+        (
+            "fn f() -> f32 {\n  let length = length(vec2f(1.0));\n  return length(vec2f(length));\n}\n",
+            3,
+            "cannot be called",
+        ),
+        ("fn f(a: vec2f) -> f32 {\n  return a.x + a.z;\n}\n", 2, "invalid field accessor `z`"),
+        ("struct S { a: f32 }\nfn f(s: S) -> f32 { return s.b; }\n", 2, "invalid field accessor `b`"),
+        ("fn f(n: u32) -> i32 {\n  let m: i32 = n;\n  return m;\n}\n", 2, "the type of `m`"),
+        ("fn f() -> f32 {\n  let a = 1.0;\n  a = 2.0;\n  return a;\n}\n", 3, "invalid left-hand side"),
+        ("fn f(target: f32) -> f32 {\n  return target;\n}\n", 1, "reserved"),
+    ];
+    for (text, line, told) in wrong {
+        let (status, out, _) = run(&[("a.wgsl", text)], &["lint", "--format", "concise"]);
+        let (at, count) = (format!("a.wgsl:{line}:"), out.lines().filter(|l| l.contains("error[E901]")).count());
+        assert!(status == Some(1) && out.starts_with(&at) && count == 1 && out.contains(told), "{out}");
+    }
+    // What a later version may allow, what a host may declare, and what stands under a condition is told on request.
+    for text in [
+        "fn f(a: vec2f) -> vec2f {\n  var b = a;\n  b.xy = a.yx;\n  return b;\n}\n",
+        // naga's evaluation of constants loses the components of a zero value.
+        "fn f() -> vec3f {\n  const a = vec4f(vec3f(), 1.0);\n  return a.rgb;\n}\n",
+        "@novel fn f(a: f32) -> f32 {\n  return a;\n}\n",
+        "fn f(a: f32) -> f32 {\n  return a * GAIN;\n}\n",
+        "#ifdef A\nfn f() -> f32 { return 1.0; }\n#endif\n#ifdef B\nfn f() -> f32 { return 2.0; }\n#endif\n",
+    ] {
+        let (status, out, _) = run(&[("a.wgsl", text)], &["lint", "--format", "concise"]);
+        assert!(status == Some(0) && !out.contains("E901"), "{out}");
+    }
+}
+
+#[test]
 fn what_conditions_leave_out_is_no_reason_to_report() {
     let text = "import super::colour::tint;\nfn f(x: f32) -> f32 {\n  let a = x;\n  let b = x;\n  let c = tint(x).x;\n\
                 @if(A && !B) return a;\n@if(B && !A)\n  return b;\n@else\n  return x;\n}\n";

@@ -55,7 +55,7 @@ pub use front::{COMPILER, INCOMPLETE, NAGA, UNSUPPORTED, VALIDATOR};
 pub use manner::{Grade, Manner, Manners};
 pub use parameter::Parameter;
 pub use probe::Probed;
-pub use read::{Chosen, Head, ModuleText, OWN, Outline, Param, Runnable, Way, Written, listing};
+pub use read::{Chosen, Head, ModuleText, OWN, Outline, Param, Runnable, Way, Written, holds_in_any_version, listing};
 pub use readback::{Place, ReadBack};
 pub use texture::Texture;
 pub use translate::{Language, TranslateError, Translation, read_back};

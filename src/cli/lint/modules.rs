@@ -17,6 +17,7 @@ pub fn composer(folders: &[PathBuf]) -> Composer {
     Composer::new(move |file| {
         // With all features on, most of a text is seen. Where they exclude each other, it is read as without any.
         let on: Vec<(String, String)> = features(file).into_iter().map(|name| (name, String::new())).collect();
+        let conditions = !on.is_empty();
         let sets = if on.is_empty() { vec![on] } else { vec![on, Vec::new()] };
         let whole = |defines| {
             let options = Options { defines, ..Options::default() };
@@ -32,9 +33,10 @@ pub fn composer(folders: &[PathBuf]) -> Composer {
             let (current, note) = from_draft(file)?;
             return Some(Composed { file: current, refused: vec![draft(note)] });
         };
-        let mut refused = refused(&joined);
         let own = notes.into_iter().filter(|note| note.code == EARLY_DRAFT && note.file.name() == file.name());
-        refused.extend(own.map(draft));
+        let own: Vec<_> = own.map(draft).collect();
+        let mut refused = refused(&joined, own.is_empty() && !conditions && joined.text() == file.text());
+        refused.extend(own);
         Some(Composed { file: joined, refused })
     })
 }
@@ -51,17 +53,20 @@ fn with_stand_ins(modules: &Mutex<Modules>, file: &SourceFile) -> Option<Compose
     Some(Composed { file: composed.file, refused: own.map(|note| (Level::Default, note)).collect() })
 }
 
-/// Why naga refuses a text. It stops at the first error. What its parser does not take may be newer than this parser.
+/// Why naga refuses a text. It stops at the first error. What its parser does not take may be newer than this parser, but
+/// for what no version allows; where a text is no `plain` WGSL of today, not even that is certain: features may exclude
+/// each other, drafts allowed more, and a prelude may be a guess.
 #[cfg(feature = "run")]
-fn refused(file: &SourceFile) -> Vec<(Level, Diagnostic)> {
-    use program::{ModuleText, ProgramError, Written};
+fn refused(file: &SourceFile, plain: bool) -> Vec<(Level, Diagnostic)> {
+    use program::{ModuleText, ProgramError, Written, holds_in_any_version};
     let Err(ProgramError::Source(found)) = ModuleText::read(file, Written::Wgsl) else { return Vec::new() };
-    let level = |d: &Diagnostic| if d.code == program::VALIDATOR { Level::Default } else { Level::Strict };
+    let certain = |d: &Diagnostic| d.code == program::VALIDATOR || (plain && holds_in_any_version(d));
+    let level = |d: &Diagnostic| if certain(d) { Level::Default } else { Level::Strict };
     found.into_iter().map(|d| (level(&d), d)).collect()
 }
 
 /// Without what runs shaders there is no reader but our own.
 #[cfg(not(feature = "run"))]
-fn refused(_: &SourceFile) -> Vec<(Level, Diagnostic)> {
+fn refused(_: &SourceFile, _: bool) -> Vec<(Level, Diagnostic)> {
     Vec::new()
 }

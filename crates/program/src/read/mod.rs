@@ -42,6 +42,7 @@ pub(crate) use flat::flat_if_needed;
 pub use language::Written;
 pub(crate) use ports::parts_of;
 pub use spirv::listing;
+pub use wgsl::holds_in_any_version;
 
 /// A text as naga reads it.
 #[derive(Clone, Debug)]

@@ -110,6 +110,37 @@ fn refused(file: &SourceFile, error: &ParseError) -> Diagnostic {
     syntax::other_language(file, syntax::Looks::Wgsl).unwrap_or(found)
 }
 
+/// How refusals begin that every version of the language makes: no later one gives such a text a meaning.
+const CERTAIN: [&str; 19] = [
+    "redefinition of `",
+    "declaration of `",
+    "the type of `",
+    "name `",
+    "invalid field accessor `",
+    "local declaration cannot be called",
+    "entry point cannot be called",
+    "function does not return any value",
+    "atomic variables cannot be accessed directly",
+    "atomic operation is done on a pointer to a non-atomic",
+    "cannot take the address of a vector component",
+    "the operand of the `*` operator must be a pointer",
+    "workgroup size is missing",
+    "repeated attribute",
+    "A break if is only allowed",
+    "type mismatch for reject and accept values",
+    "matrix scalar type must be floating-point",
+    "struct member alignment must be",
+    "unterminated block comment",
+];
+
+/// True for a refusal of naga's parser that is no matter of its age: the text has a fault in every version of WGSL.
+pub fn holds_in_any_version(refused: &Diagnostic) -> bool {
+    let message = refused.message.to_string();
+    // Components on the left may be allowed one day, a value that is never a variable will not be.
+    let unchanging = message == "invalid left-hand side of assignment" && !refused.related.is_empty();
+    refused.code == NAGA && (unchanging || CERTAIN.iter().any(|start| message.starts_with(start)))
+}
+
 /// Variables without a value begin as zero (WGSL, 7.2).
 fn zeroed(module: &mut Module) {
     let Module { global_variables, global_expressions, functions, entry_points, .. } = module;
