@@ -16,7 +16,7 @@ pub const RULE: Rule = Rule {
     code: Code("N037"),
     name: "epsilon-without-effect",
     severity: Severity::Warning,
-    level: Level::Strict,
+    level: Level::Default,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Any(check),
 };

@@ -15,7 +15,7 @@ pub const RULE: Rule = Rule {
     code: Code("N038"),
     name: "factor-of-one-term",
     severity: Severity::Warning,
-    level: Level::Strict,
+    level: Level::Default,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Any(check),
 };

@@ -18,7 +18,7 @@ pub const RULE: Rule = Rule {
     code: Code("N039"),
     name: "index-rounded-to-size",
     severity: Severity::Warning,
-    level: Level::Strict,
+    level: Level::Default,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Any(check),
 };
