@@ -24,7 +24,6 @@ use lanes::{Lane, StandIn, Wanted, interrupt};
 use lint::fix::FixedFile;
 use program::Written;
 use report::improve::{FileReport, Summary, json, text};
-use syntax::Parsed;
 
 /// Points of a proof, when none are asked for.
 const SAMPLES: u64 = 1 << 20;
@@ -196,7 +195,7 @@ impl Run<'_> {
                 continue;
             }
             let domain = inputs.domain(subject)?;
-            let again = |file: &SourceFile| self.again(file, path);
+            let again = |file: &SourceFile| self.source.changed(file, &self.reading());
             let found = improve::run((&parsed, &own, subject), &domain, self.lanes, &request, &again);
             report.expressions.extend(found.map_err(|why| anyhow::anyhow!("{}: {why}", subject.at))?);
             if interrupt::asked() {
@@ -207,22 +206,10 @@ impl Run<'_> {
         Ok(Some(report))
     }
 
-    /// A changed file, read in the way of the first.
-    fn again(&self, file: &SourceFile, path: &std::path::Path) -> Parsed {
-        let reading = Given {
-            folders: &self.args.include,
-            defines: &self.args.define,
-            compose: None,
-            entry: None,
-            stage: self.args.stage.map(syntax::Stage::from),
-        };
-        match includes::with_includes(file, path, &reading) {
-            Ok(mut text) => {
-                text.stage = self.source.stage;
-                text.parsed(&self.args.define)
-            }
-            Err(_) => syntax::Shader::parse_with(file, self.source.stage, &self.args.define),
-        }
+    /// How a changed file is read.
+    fn reading(&self) -> Given<'_> {
+        let stage = self.args.stage.map(syntax::Stage::from);
+        Given { folders: &self.args.include, defines: &self.args.define, compose: None, entry: None, stage }
     }
 
     /// The patch of the first proposals, written where that is asked for.

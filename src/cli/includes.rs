@@ -104,6 +104,14 @@ impl IncludedText {
         if errors(&newest) > 0 && errors(&parsed) == 0 { parsed } else { newest }
     }
 
+    /// A changed text in the place of the author's file, read in the way of the first.
+    pub fn changed(&self, file: &SourceFile, given: &Given<'_>) -> Parsed {
+        match with_includes(file, &self.path, given) {
+            Ok(text) => Self { stage: self.stage, ..text }.parsed(given.defines),
+            Err(_) => Shader::parse_with(file, self.stage, given.defines),
+        }
+    }
+
     /// The same between the texts that its host puts around it.
     #[must_use]
     pub fn with_prelude(self, wanted: lint::WantedPrelude) -> Self {

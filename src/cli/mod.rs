@@ -44,6 +44,8 @@ pub mod shard;
 pub mod status;
 #[cfg(feature = "run")]
 pub mod translate;
+#[cfg(feature = "run")]
+pub mod tune;
 pub mod version;
 #[cfg(feature = "run")]
 pub mod worker;
@@ -185,6 +187,9 @@ pub enum Command {
     /// Translate a shader to another language
     #[cfg(feature = "run")]
     Translate(translate::TranslateArgs),
+    /// Find which declarations may be mediump on phones, and which must be highp
+    #[cfg(feature = "run")]
+    Tune(tune::TuneArgs),
     /// Put small faults into shaders and see whether their suites notice
     #[cfg(feature = "run")]
     Mutate(mutate::MutateArgs),
@@ -280,6 +285,8 @@ pub fn run(cli: &Cli) -> ExitStatus {
         Command::Explain(args) => explain::run(args, &mut out, &mut err, color),
         #[cfg(feature = "run")]
         Command::Translate(args) => translate::run(args, &mut out, &mut err),
+        #[cfg(feature = "run")]
+        Command::Tune(args) => tune::run(args, &mut out, &mut err, color),
         #[cfg(feature = "run")]
         Command::Mutate(args) => mutate::run(args, &mut out, &mut err),
         #[cfg(feature = "run")]

@@ -67,6 +67,7 @@ mod translate_flips;
 mod translate_validators;
 mod translated;
 mod translated_stages;
+mod tune;
 mod undefined;
 mod upstream;
 mod webgpu;

@@ -15,5 +15,6 @@ pub mod mutate;
 pub mod session;
 pub mod shard;
 pub mod suite;
+pub mod tune;
 
 pub use input_value::InputValue;

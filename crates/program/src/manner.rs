@@ -52,14 +52,18 @@ pub struct Manners {
 impl Manners {
     /// Those of a shader.
     pub(crate) fn of(shader: &Shader) -> Self {
-        let precisions = Precisions::of(shader);
+        Self::by(shader, &Precisions::of(shader))
+    }
+
+    /// Those of a shader whose precisions are these.
+    pub fn by(shader: &Shader, precisions: &Precisions) -> Self {
         let mut all = Self::default();
         for (id, expr) in shader.arena().iter() {
             // What a macro makes stands at one place: only what is computed in real numbers has a say there.
             let real = shader.type_of(id).scalar() == Some(ScalarType::Float);
             let asks = matches!(expr.kind, ExprKind::Binary { .. } | ExprKind::Call { .. });
             if !matches!(expr.kind, ExprKind::Literal(_)) && (real || asks && precisions.of_expr(id).is_some()) {
-                all.value(expr.span, of_expr(&precisions, id));
+                all.value(expr.span, of_expr(precisions, id));
             }
             if matches!(expr.kind, ExprKind::Assign { .. }) {
                 all.store(expr.span, Grade::of(precisions.of_store(id)));

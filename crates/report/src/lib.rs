@@ -21,3 +21,5 @@ pub mod page;
 pub mod refdata;
 mod reviewdog;
 mod sarif;
+#[cfg(feature = "run")]
+pub mod tune;

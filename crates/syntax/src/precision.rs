@@ -46,11 +46,16 @@ impl Precisions {
         if shader.wgsl().is_some() {
             return Self::default();
         }
-        let mut walk = Walk::new(shader);
-        walk.unit();
-        walk.all.symbols.extend(walk.built_in());
-        walk.expressions();
-        walk.all
+        Walk::new(shader, shader.has_precisions()).done()
+    }
+
+    /// The precisions as a text states them, in desktop GLSL too: those that a device may take where the text is made
+    /// into `RelaxedPrecision` of SPIR-V, or into GLSL ES.
+    pub fn stated(shader: &Shader) -> Self {
+        if shader.wgsl().is_some() {
+            return Self::default();
+        }
+        Walk::new(shader, true).done()
     }
 
     /// The precision at which an expression is computed; none where nothing lowers it.
@@ -108,8 +113,7 @@ struct Walk<'s> {
 }
 
 impl<'s> Walk<'s> {
-    fn new(shader: &'s Shader) -> Self {
-        let es = shader.has_precisions();
+    fn new(shader: &'s Shader, es: bool) -> Self {
         let mut by_place: HashMap<(usize, &str), Vec<SymbolId>> = HashMap::new();
         for (id, symbol) in shader.symbols() {
             if let Some(span) = symbol.span {
@@ -127,6 +131,13 @@ impl<'s> Walk<'s> {
             returned: Vec::new(),
             all: Precisions { exprs: vec![None; count], precise: vec![false; count], ..Precisions::default() },
         }
+    }
+
+    fn done(mut self) -> Precisions {
+        self.unit();
+        self.all.symbols.extend(self.built_in());
+        self.expressions();
+        self.all
     }
 
     fn declared(&self, name: &Ident) -> Vec<SymbolId> {

@@ -138,7 +138,7 @@ impl Device {
 
     /// A number as an operation of lower precision gives it, or takes it where `op` is none: within what GLSL ES and Vulkan
     /// allow of the binary32 number that it stands for.
-    pub(super) fn lowered(&self, grade: Grade, op: Option<Op>, argument: f64, x: f32, place: Place) -> f32 {
+    pub(crate) fn lowered(&self, grade: Grade, op: Option<Op>, argument: f64, x: f32, place: Place) -> f32 {
         let exact = f64::from(x);
         if grade == Grade::Full || !x.is_finite() || (op.is_none() && halved(x) == x && within_range(exact)) {
             return x;

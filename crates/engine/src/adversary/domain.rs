@@ -154,7 +154,7 @@ impl Adversary {
 }
 
 /// The operation of a profile; `None` for what profiles do not list as a scalar operation.
-fn unary_op(op: Unary) -> Option<Op> {
+pub(crate) fn unary_op(op: Unary) -> Option<Op> {
     Some(match op {
         Unary::Negate => Op::Neg,
         Unary::Abs => Op::Abs,
@@ -195,7 +195,8 @@ fn unary_op(op: Unary) -> Option<Op> {
     })
 }
 
-fn binary_op(op: Binary) -> Op {
+/// The operation of a profile.
+pub(crate) fn binary_op(op: Binary) -> Op {
     match op {
         Binary::Add => Op::Add,
         Binary::Subtract => Op::Sub,

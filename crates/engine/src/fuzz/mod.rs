@@ -28,8 +28,10 @@ pub use domain::{Domain, InputDomain, Interval, Law, MODERATE, Shrinking, Stated
 pub use finding::{Finding, FunctionReport, FuzzFindingKind, LaneReport, Part, Severity, WORKGROUPS};
 pub use generate::batch;
 pub use hint::{FORMS, option};
+pub(crate) use lowered::{Beside, Event, Harm, Narrowing};
 pub use modules::subjects_of_module;
-pub(crate) use name::place;
+pub(crate) use name::{decimal, place};
 pub use run::{Request, given, run, stream_key};
 pub use scan::{LIMIT, ROUNDS, Trouble};
+pub(crate) use scan::{Look, scan};
 pub use subject::{BadHint, Ready, Subject, subjects};

@@ -14,6 +14,7 @@ use program::interp::{self, Executable};
 use program::lower::Target;
 use program::{DISCARD, Kernel, Parameter, Program, ProgramError};
 use syntax::interface::Storage;
+use syntax::precision::Precisions;
 use syntax::symbols::{FunctionId, FunctionInfo, SymbolId, SymbolKind};
 use syntax::{Shader, Stage};
 
@@ -47,6 +48,16 @@ pub struct Ready {
     pub lowered: Option<Executable>,
     /// What a program would give it.
     pub realistic: Realistic,
+}
+
+impl Ready {
+    /// The same with the precisions that the text of the stage states, in desktop GLSL too.
+    pub(crate) fn with_stated_precisions(self, shader: &Shader) -> Self {
+        let mut program = self.program;
+        program.manners = std::sync::Arc::new(program::Manners::by(shader, &Precisions::stated(shader)));
+        let lowered = lowered(&program);
+        Self { program, lowered, ..self }
+    }
 }
 
 /// A comment that cannot be read, or names no input.

@@ -164,7 +164,7 @@ pub fn run(
 }
 
 /// The bytes of the author's file that a place of the parsed text is; none in an included file.
-fn own_span(shader: &Shader, file: &SourceFile, span: Span) -> Option<Span> {
+pub(crate) fn own_span(shader: &Shader, file: &SourceFile, span: Span) -> Option<Span> {
     if shader.file().text() == file.text() {
         return Some(span);
     }

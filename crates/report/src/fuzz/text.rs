@@ -7,7 +7,7 @@ use crate::diagnostics;
 use base::diagnostic::Lang;
 use base::value::F32Bits;
 use engine::InputValue;
-use engine::fuzz::{Finding, FunctionReport, LaneReport, Part, Severity};
+use engine::fuzz::{Finding, FunctionReport, FuzzFindingKind, LaneReport, Part, Severity};
 use judge::verdict::diagnosis::Place;
 
 /// Colours of a terminal; empty strings elsewhere.
@@ -227,6 +227,18 @@ fn one(text: &mut String, function: &FunctionReport, finding: &Finding, color: b
     if let Some(command) = &finding.reproduce {
         let _ = writeln!(text, "  reproduce  {command}");
     }
+    if let Some(command) = better(finding) {
+        let _ = writeln!(text, "  improve    {command}");
+    }
+}
+
+/// The command that looks for a better formula, for what loses digits in a file of GLSL.
+fn better(finding: &Finding) -> Option<String> {
+    let at = &finding.place.as_ref().filter(|_| finding.kind == FuzzFindingKind::IllConditioned)?.at;
+    let plain = |c: char| c.is_ascii_alphanumeric() || "._-/".contains(c);
+    let other = [".wgsl", ".hlsl", ".slang", ".spv"].iter().any(|ending| at.file.ends_with(ending));
+    let line = at.position.filter(|_| !other && at.file.contains('.') && at.file.chars().all(plain))?.line;
+    Some(format!("shadercheck improve {}:{line}", at.file))
 }
 
 /// The last lines: lanes that were missing, what was not told, and everything counted.

@@ -1,11 +1,16 @@
 //! Numbers of `mediump` on the least device that GLSL ES allows, beside binary32 on the same path.
 
+use std::sync::Arc;
+
+use crate::adversary::{Device, Place, binary_op, unary_op};
 use base::value::Scalar;
+use judge::profile::Op;
 use program::Grade;
 use program::interp::{
     Binary, Binary32, Class, Column as Numbers, Comparison, Domain, FromWords, Guarded, Mask, SLOTS, Site, ToWords,
     Unary, WordSource, Words, halved,
 };
+use property::mix;
 
 /// What GLSL ES promises of the range of `mediump` (GLSL ES 3.00, 4.5.1): larger numbers may be infinite.
 pub const LARGEST: f32 = 16384.0;
@@ -55,16 +60,32 @@ impl Column {
     }
 }
 
+/// Which numbers a device has at lower precision.
+#[derive(Clone, Debug, Default)]
+pub enum Narrowing {
+    /// The nearest of 11 bits, within the range that GLSL ES promises.
+    #[default]
+    Least,
+    /// The nearest of binary16.
+    Binary16,
+    /// Any that GLSL ES and Vulkan allow, as this device chooses.
+    Device(Arc<Device>),
+}
+
 /// The domain.
 #[derive(Clone, Debug)]
 pub struct Beside {
     strict: Binary32,
+    narrowing: Narrowing,
     events: [[Option<Event>; SLOTS]; 3],
+    jumped: [bool; SLOTS],
+    /// Names the inputs of each slot.
+    invocations: [u64; SLOTS],
 }
 
 impl Default for Beside {
     fn default() -> Self {
-        Self { strict: Binary32::default(), events: [[None; SLOTS]; 3] }
+        Self::new(Narrowing::default())
     }
 }
 
@@ -90,39 +111,88 @@ fn is_off(wide: f32, lowered: f32) -> bool {
     !((wide - lowered).abs() <= LOST * wide.abs().max(1.0 / 16.0))
 }
 
+/// True for an operation whose result is one of its operands, its negative or a whole number: what its operands have,
+/// it has.
+fn keeps(op: Op) -> bool {
+    matches!(
+        op,
+        Op::Neg | Op::Abs | Op::Sign | Op::Floor | Op::Ceil | Op::RoundEven | Op::Trunc | Op::Min | Op::Max | Op::Step
+    )
+}
+
 impl Beside {
+    /// Numbers of lower precision as a device has them.
+    pub fn new(narrowing: Narrowing) -> Self {
+        let events = [[None; SLOTS]; 3];
+        let strict = Binary32::default();
+        Self { strict, narrowing, events, jumped: [false; SLOTS], invocations: [0; SLOTS] }
+    }
+
+    /// True where a decision or a rounding to whole numbers went to the other side of an edge that its operands are near to.
+    pub fn jumped(&self, slot: usize) -> bool {
+        self.jumped[slot]
+    }
+
+    /// A number as an operation gives it, or takes it where `op` is none.
+    fn narrowed(&self, site: Site, op: Option<Op>, argument: f32, x: f32, slot: usize) -> f32 {
+        match &self.narrowing {
+            Narrowing::Least => least(x),
+            Narrowing::Binary16 => halved(x),
+            Narrowing::Device(device) => {
+                let place = Place { site: site.index(), invocation: self.invocations[slot] };
+                let op = op.filter(|op| !keeps(*op));
+                device.lowered(site.grade(), op, f64::from(argument), x, place)
+            }
+        }
+    }
+
     /// The first time in a slot that a harm was done.
     pub fn event(&self, harm: Harm, slot: usize) -> Option<Event> {
         self.events[harm as usize][slot]
+    }
+
+    /// Notes where results are farther apart than `apart` though their operands are not.
+    fn note_jumps(&mut self, active: &Mask, args: [&Column; 2], out: &Column, apart: f32) {
+        for slot in active.slots() {
+            let near = args.iter().all(|a| !is_off(a.wide.values()[slot], a.lowered.values()[slot]));
+            self.jumped[slot] |= near && (out.wide.values()[slot] - out.lowered.values()[slot]).abs() >= apart;
+        }
     }
 
     fn note(&mut self, harm: Harm, slot: usize, event: Event) {
         self.events[harm as usize][slot].get_or_insert(event);
     }
 
-    fn operand(site: Site, active: &Mask, column: &Column) -> Option<Numbers<f32>> {
+    fn operand(&self, site: Site, active: &Mask, column: &Column) -> Option<Numbers<f32>> {
         is_lower(site).then(|| {
             let mut own = column.lowered.clone();
             let values = own.values_mut();
-            active.each(|slot| values[slot] = least(values[slot]));
+            active.each(|slot| values[slot] = self.narrowed(site, None, 0.0, values[slot], slot));
             own
         })
     }
 
     /// Rounds the results of an operation, and notes what that did.
-    fn settle(&mut self, site: Site, op: &'static str, active: &Mask, args: &[&Column], out: &mut Column) {
+    fn settle(
+        &mut self,
+        site: Site,
+        (op, of): (&'static str, Option<Op>),
+        active: &Mask,
+        args: &[&Column],
+        out: &mut Column,
+    ) {
         if !is_lower(site) {
             return;
         }
         for slot in active.slots() {
-            let lowered = least(out.lowered.values()[slot]);
+            let size = |x: f32| if x.is_nan() { 0.0 } else { x.abs() };
+            let argument = args.iter().map(|a| size(a.wide.values()[slot])).fold(0.0, f32::max);
+            let lowered = self.narrowed(site, of, argument, out.lowered.values()[slot], slot);
             out.lowered.values_mut()[slot] = lowered;
             let wide = out.wide.values()[slot];
             if lowered == wide || !wide.is_finite() {
                 continue;
             }
-            let size = |x: f32| if x.is_nan() { 0.0 } else { x.abs() };
-            let argument = args.iter().map(|a| size(a.wide.values()[slot])).fold(0.0, f32::max);
             let event = Event { site, op, argument, value: wide, lowered };
             let before = args.iter().any(|a| is_off(a.wide.values()[slot], a.lowered.values()[slot]));
             if lowered.is_infinite() {
@@ -134,8 +204,9 @@ impl Beside {
             }
             // A literal that is taken for 0 is an operand of what uses it.
             for arg in args {
-                let (wide, taken) = (arg.wide.values()[slot], least(arg.lowered.values()[slot]));
-                if taken == 0.0 && wide != 0.0 && wide.is_finite() {
+                let wide = arg.wide.values()[slot];
+                let taken = self.narrowed(site, None, 0.0, arg.lowered.values()[slot], slot);
+                if taken == 0.0 && wide != 0.0 && wide.abs() < 2.0 * SMALLEST {
                     self.note(Harm::Underflow, slot, Event { value: wide, lowered: taken, ..event });
                 } else if taken.is_infinite() && wide.is_finite() {
                     self.note(Harm::Overflow, slot, Event { value: wide, lowered: taken, ..event });
@@ -184,6 +255,8 @@ impl Domain for Beside {
 
     fn begin(&mut self) {
         self.events = [[None; SLOTS]; 3];
+        self.jumped = [false; SLOTS];
+        self.invocations = [0; SLOTS];
     }
 
     fn outside(&self, _: Guarded, _: &Mask, _: &Column, _: &Column) -> Mask {
@@ -202,41 +275,61 @@ impl Domain for Beside {
     fn input(&mut self, source: WordSource, words: &Words, out: &mut Column) {
         self.strict.input(source, words, &mut out.lowered);
         self.strict.input(source, words, &mut out.wide);
+        for (invocation, &word) in self.invocations.iter_mut().zip(words) {
+            *invocation = mix(*invocation, u64::from(word));
+        }
     }
 
     fn unary(&mut self, site: Site, op: Unary, active: &Mask, a: &Column, out: &mut Column) {
-        let own = Self::operand(site, active, a);
+        let own = self.operand(site, active, a);
         self.strict.unary(site, op, active, own.as_ref().unwrap_or(&a.lowered), &mut out.lowered);
         self.strict.unary(site, op, active, &a.wide, &mut out.wide);
-        self.settle(site, unary_name(op), active, &[a], out);
+        let whole = matches!(op, Unary::Floor | Unary::Ceil | Unary::Round | Unary::Trunc | Unary::Fract | Unary::Sign);
+        if whole {
+            self.note_jumps(active, [a, a], out, 0.5);
+        }
+        self.settle(site, (unary_name(op), unary_op(op)), active, &[a], out);
     }
 
     fn binary(&mut self, site: Site, op: Binary, active: &Mask, a: &Column, b: &Column, out: &mut Column) {
-        let own = [Self::operand(site, active, a), Self::operand(site, active, b)];
+        let own = [self.operand(site, active, a), self.operand(site, active, b)];
         let (x, y) = (own[0].as_ref().unwrap_or(&a.lowered), own[1].as_ref().unwrap_or(&b.lowered));
         self.strict.binary(site, op, active, x, y, &mut out.lowered);
         self.strict.binary(site, op, active, &a.wide, &b.wide, &mut out.wide);
-        self.settle(site, binary_name(op), active, &[a, b], out);
+        match op {
+            Binary::Step => self.note_jumps(active, [a, b], out, 0.5),
+            Binary::Remainder => {
+                let period = b.wide.values().map(f32::abs);
+                active.each(|slot| {
+                    let [p, x] = [out.wide.values()[slot], out.lowered.values()[slot]];
+                    let near = !is_off(a.wide.values()[slot], a.lowered.values()[slot]);
+                    self.jumped[slot] |= near && (p - x).abs() > 0.5 * period[slot];
+                });
+            }
+            _ => {}
+        }
+        self.settle(site, (binary_name(op), Some(binary_op(op))), active, &[a, b], out);
     }
 
     fn scale(&mut self, site: Site, a: &Column, exponent: &Words, out: &mut Column) {
         self.strict.scale(site, &a.lowered, exponent, &mut out.lowered);
         self.strict.scale(site, &a.wide, exponent, &mut out.wide);
-        self.settle(site, "ldexp", &Mask::ALL, &[a], out);
+        self.settle(site, ("ldexp", Some(Op::Ldexp)), &Mask::ALL, &[a], out);
     }
 
     fn compare(&mut self, site: Site, op: Comparison, active: &Mask, a: &Column, b: &Column, out: &mut Words) {
-        let own = [Self::operand(site, active, a), Self::operand(site, active, b)];
+        let own = [self.operand(site, active, a), self.operand(site, active, b)];
         let (x, y) = (own[0].as_ref().unwrap_or(&a.lowered), own[1].as_ref().unwrap_or(&b.lowered));
         self.strict.compare(site, op, active, x, y, out);
-        if !is_lower(site) {
-            return;
-        }
         for slot in active.slots() {
             let (p, q) = (a.wide.values()[slot], b.wide.values()[slot]);
             let (x, y) = (x.values()[slot], y.values()[slot]);
             let before = is_off(p, x) || is_off(q, y);
             if op.holds(p, q) != (out[slot] != 0) && p.is_finite() && q.is_finite() && !before {
+                self.jumped[slot] = true;
+                if !is_lower(site) {
+                    continue;
+                }
                 let event =
                     Event { site, op: "the comparison", argument: p.abs().max(q.abs()), value: p - q, lowered: x - y };
                 self.note(Harm::Digits, slot, event);
@@ -249,13 +342,14 @@ impl Domain for Beside {
     }
 
     fn words_of(&mut self, site: Site, op: ToWords, active: &Mask, a: &Column, out: &mut Words) -> Mask {
-        let own = Self::operand(site, active, a);
+        let own = self.operand(site, active, a);
         let mut wide = *out;
         self.strict.words_of(site, op, active, &a.wide, &mut wide);
         let outside = self.strict.words_of(site, op, active, own.as_ref().unwrap_or(&a.lowered), out);
         for slot in active.slots().filter(|&slot| wide[slot] != out[slot]) {
             let (p, x) = (a.wide.values()[slot], a.lowered.values()[slot]);
             if p.is_finite() && p != x {
+                self.jumped[slot] |= !is_off(p, x);
                 let op = if matches!(op, ToWords::Texel { .. }) { "the texel" } else { "the integer" };
                 let event = Event { site, op, argument: p.abs(), value: p, lowered: x };
                 self.note(Harm::Digits, slot, event);
@@ -267,7 +361,7 @@ impl Domain for Beside {
     fn reals_of(&mut self, site: Site, op: FromWords, a: &Words, out: &mut Column) {
         self.strict.reals_of(site, op, a, &mut out.lowered);
         self.strict.reals_of(site, op, a, &mut out.wide);
-        self.settle(site, "the conversion", &Mask::ALL, &[], out);
+        self.settle(site, ("the conversion", Some(Op::Convert)), &Mask::ALL, &[], out);
     }
 
     fn copy(&mut self, from: &Column, to: &mut Column) {

@@ -20,7 +20,8 @@ use super::scan::{Look, ROUNDS};
 use super::subject::Ready;
 use crate::InputValue;
 use base::value::Batch;
-use beside::{Beside, Event, Harm, LARGEST};
+use beside::LARGEST;
+pub(crate) use beside::{Beside, Event, Harm, Narrowing};
 use lanes::interrupt;
 use program::interp::{Binary32, Executable, Machine, OutputColumn, SLOTS};
 use property::Sample;
@@ -171,9 +172,12 @@ fn kind(harm: Harm) -> FuzzFindingKind {
     }
 }
 
+fn shown(x: f32) -> String {
+    if x.is_nan() { "nan".to_owned() } else { format!("{x:?}") }
+}
+
 fn message(harmed: &Harmed, output: &str) -> String {
     let Harmed { event, wide, lowered, .. } = harmed;
-    let shown = |x: f32| if x.is_nan() { "nan".to_owned() } else { format!("{x:?}") };
     let (op, value) = (event.op, shown(event.value));
     let shows = format!("`{output}` is {}, and {} on such a device", shown(*wide), shown(*lowered));
     match harmed.harm {

@@ -1,0 +1,214 @@
+//! `shadercheck tune`: which declarations of a shader may be `mediump`.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::StageName;
+use super::check::Format;
+use super::compose::{ComposeArgs, Given};
+use super::fuzz::{Inputs, all_known, stated, subjects};
+use super::includes;
+use super::lint::{diff, write};
+use super::status::ExitStatus;
+use super::translate;
+use base::diagnostic::Lang;
+use base::text::{Shown as _, SourceFile};
+use engine::fuzz::Subject;
+use engine::suite::run::DEFAULT_SEED;
+use engine::tune::{self, Request, Stated, Tolerance};
+use lanes::interrupt;
+use lint::fix::FixedFile;
+use program::Written;
+use report::tune::{FileReport, Summary, json, text};
+
+/// Samples of a proof, when none are asked for.
+const SAMPLES: u64 = 1 << 14;
+
+/// Arguments of `shadercheck tune`.
+#[derive(Args, Clone, Debug)]
+#[command(after_long_help = "\
+Each declaration that holds floating-point numbers is tried at mediump and at highp: parameters, local variables, uniforms, \
+inputs, outputs, results of functions. The smallest set of highp declarations is sought with which the outputs stay within \
+half a step of their format on devices that err as far as GLSL ES and Vulkan allow: 10 bits, a range of 2^14. Colours of a \
+fragment stage are taken for 8 bits; gl_Position may be off by half a pixel of --viewport; for other outputs state --error. \
+A decision at an edge (a comparison, floor, a texel) may fall to the other side where its operand is that near to it, on one \
+sample in 64.
+
+Inputs are taken for what their names and uses say, as in `fuzz`. A range is stated by a comment before the function,
+
+  // shadercheck: u_time in [0, 3600]
+
+or by --domain. It must have both ends.
+
+Exit status: 0 nothing can be lower and nothing is too low, or the patch was written; 1 there is a patch, the outputs are off \
+whatever is declared, or a file does not compile; 2 usage.")]
+pub struct TuneArgs {
+    /// Shader files in GLSL ES, or in desktop GLSL with the qualifiers of 1.30
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<PathBuf>,
+    /// The function whose outputs count; `main` without it
+    #[arg(long, value_name = "NAME")]
+    pub entry: Option<String>,
+    /// Stage of the files, where their endings do not say it or say another
+    #[arg(long, value_enum, value_name = "STAGE")]
+    pub stage: Option<StageName>,
+    /// Values that an input takes: `x=[0,1]`, `f.x=[1,8]`, `n=normalised`; repeatable
+    #[arg(long, value_name = "INPUT=DOMAIN", allow_hyphen_values = true)]
+    pub domain: Vec<String>,
+    /// What outputs may be off by: `0.001`, `1/255`, or `v_uv=0.001` for one of them; repeatable
+    #[arg(long, value_name = "[OUTPUT=]ERROR")]
+    pub error: Vec<String>,
+    /// Format of the outputs, of which half a step may be lost: `rgba8`, `rgb10_a2`, `rgba16f`, or `o_normal=rgba16f`;
+    /// repeatable
+    #[arg(long, value_name = "[OUTPUT=]FORMAT")]
+    pub target: Vec<String>,
+    /// Size of the viewport in pixels, of which `gl_Position` may lose half of one
+    #[arg(long, value_name = "WxH", value_parser = viewport)]
+    pub viewport: Option<[f64; 2]>,
+    /// Value of a macro: `--define WIDTH=8`; repeatable
+    #[arg(short = 'D', long, value_name = "NAME=VALUE", value_parser = translate::definition)]
+    pub define: Vec<(String, String)>,
+    /// Folders that are searched for included files
+    #[arg(short = 'I', long = "include", value_name = "FOLDER")]
+    pub include: Vec<PathBuf>,
+    /// Samples of the proof
+    #[arg(long, value_name = "N", default_value_t = SAMPLES, value_parser = clap::value_parser!(u64).range(1..))]
+    pub samples: u64,
+    /// Seed of the inputs and of the devices: the same seed gives the same result everywhere
+    #[arg(long, value_name = "S", default_value_t = DEFAULT_SEED)]
+    pub seed: u64,
+    /// Write the precisions into the files
+    #[arg(long)]
+    pub fix: bool,
+    /// How the result is printed
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// `1920x1080`.
+fn viewport(text: &str) -> Result<[f64; 2], String> {
+    let side = |text: &str| text.trim().parse::<u32>().ok().filter(|side| *side > 0).map(f64::from);
+    let sides = text.split_once('x').and_then(|(width, height)| Some([side(width)?, side(height)?]));
+    sides.ok_or_else(|| "give its width and height in pixels, such as 1920x1080".to_owned())
+}
+
+/// `0.001` or `1/255`.
+fn error(text: &str) -> Option<f64> {
+    let number = |text: &str| text.trim().parse::<f64>().ok();
+    let value = match text.split_once('/') {
+        Some((over, under)) => number(over)? / number(under)?,
+        None => number(text)?,
+    };
+    (value.is_finite() && value > 0.0).then_some(value)
+}
+
+/// What the command line says of outputs.
+fn tolerances(args: &TuneArgs) -> anyhow::Result<Stated> {
+    let named = |text: &str| match text.split_once('=') {
+        Some((name, value)) => (Some(name.trim().to_owned()), value.trim().to_owned()),
+        None => (None, text.trim().to_owned()),
+    };
+    let mut all = Stated { viewport: args.viewport, ..Stated::default() };
+    for option in &args.target {
+        let (name, format) = named(option);
+        let tolerance = Tolerance::of_format(&format)
+            .map_err(|why| anyhow::anyhow!("--target: no format `{format}` is known: {why}"))?;
+        all.named.push((name, tolerance));
+    }
+    for option in &args.error {
+        let (name, value) = named(option);
+        let value = error(&value).ok_or_else(|| {
+            anyhow::anyhow!("--error `{option}`: give a number above 0, such as 0.001, 1/255 or v_uv=0.001")
+        })?;
+        all.named.push((name, Tolerance::Absolute(value)));
+    }
+    Ok(all)
+}
+
+/// Runs the command: the result goes to `out`, complaints to `err`.
+///
+/// # Errors
+/// When a file cannot be read or written, is no GLSL, has nothing to tune, a name is unknown, a range has no end, an output
+/// has no format, or output fails.
+pub fn run(args: &TuneArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
+    let stage = args.stage.map(syntax::Stage::from);
+    let domains = stated(&args.domain)?;
+    let request = Request { samples: args.samples, seed: args.seed, stated: tolerances(args)? };
+    let mut inputs = Inputs::new(&domains);
+    let mut summary = Summary { seed: args.seed, files: Vec::new() };
+    let mut broken = false;
+    let wanted: Vec<String> = args.entry.iter().cloned().collect();
+    for path in &args.files {
+        let compose = ComposeArgs::default();
+        let reading =
+            Given { folders: &args.include, defines: &args.define, compose: Some(&compose), entry: None, stage };
+        let mut source = includes::read(path, &reading)?;
+        source.stage = stage.unwrap_or(source.stage);
+        anyhow::ensure!(
+            Written::of(&source.file) == Written::Glsl,
+            "`{}`: only GLSL has qualifiers of precision to tune; in WGSL declare `f16` where the report of a translation \
+             (`shadercheck translate --to glsl`) says `mediump`",
+            path.shown()
+        );
+        let own = translate::read(path)?;
+        let mut known = Vec::new();
+        let (errors, subjects) = subjects((&wanted, &args.define), &source, &mut known)?;
+        for error in &errors {
+            err.write_all(report::diagnostics::text(error, Lang::En, false).as_bytes())?;
+        }
+        if !errors.is_empty() {
+            broken = true;
+            continue;
+        }
+        all_known(&wanted, &known)?;
+        let subject =
+            chosen(&subjects, args.entry.as_deref()).map_err(|why| anyhow::anyhow!("`{}`: {why}", path.shown()))?;
+        let domain = inputs.domain(subject)?;
+        let parsed = source.parsed(&args.define);
+        let again = |file: &SourceFile| source.changed(file, &Given { compose: None, ..reading });
+        let report = tune::run((&parsed, &own, subject), &domain, &request, &again)
+            .map_err(|why| anyhow::anyhow!("{}: {why}", subject.at))?;
+        let mut file = FileReport { file: source.name.clone(), report, patch: None, written: false };
+        let after = file.report.after.clone();
+        if after.text() != own.text() {
+            if args.fix {
+                write::replace(path, own.text().as_bytes(), after.text().as_bytes())?;
+                file.written = true;
+            }
+            file.patch = Some(diff::unified(&FixedFile { before: own, after }));
+        }
+        summary.files.push(file);
+        if interrupt::asked() {
+            break;
+        }
+    }
+    if !broken && interrupt::signal().is_none() {
+        inputs.all_used()?;
+    }
+    match args.format {
+        Format::Text => out.write_all(text(&summary, color).as_bytes())?,
+        Format::Json => out.write_all(json(&summary).as_bytes())?,
+    }
+    out.flush()?;
+    let open = |file: &FileReport| file.report.beyond.is_some() || (file.patch.is_some() && !file.written);
+    Ok(match interrupt::signal() {
+        Some(signal) => ExitStatus::Interrupted(signal),
+        None if broken || summary.files.iter().any(open) => ExitStatus::Findings,
+        None => ExitStatus::Clean,
+    })
+}
+
+/// The function whose outputs count.
+fn chosen<'s>(subjects: &'s [Subject], entry: Option<&str>) -> Result<&'s Subject, String> {
+    let labels = || subjects.iter().map(|subject| format!("`{}`", subject.label)).collect::<Vec<_>>().join(", ");
+    match (subjects, entry) {
+        ([], _) => Err("nothing to tune: it has no function with a body".to_owned()),
+        ([one], _) => Ok(one),
+        (_, None) => subjects.iter().find(|subject| subject.name == "main").ok_or_else(|| {
+            format!("it has no `main`: name the function whose outputs count with --entry, of {}", labels())
+        }),
+        (_, Some(_)) => Err(format!("--entry names several functions: give one of {}", labels())),
+    }
+}

@@ -1,0 +1,100 @@
+//! `shadercheck tune`: what must be `highp` is found with its input, what need not be is lowered, and what cannot be tuned
+//! is said.
+
+use std::fs;
+
+use serde_json::Value;
+
+use crate::binary::{Ran, root, run_in};
+
+/// Runs on a copy of the fixtures, so that nothing is written beside them.
+fn tuned(arguments: &str) -> (Ran, tempfile::TempDir) {
+    let folder = tempfile::tempdir().unwrap();
+    for file in fs::read_dir(root().join("fixtures/tune")).unwrap() {
+        let file = file.unwrap();
+        fs::copy(file.path(), folder.path().join(file.file_name())).unwrap();
+    }
+    (run_in(folder.path(), &format!("tune {arguments} --samples 2048")), folder)
+}
+
+/// The declarations that must be `highp`.
+fn high(report: &Value) -> Vec<&str> {
+    let all = report["files"][0]["declarations"].as_array().unwrap();
+    all.iter().filter(|one| one["may_be"] == "highp").map(|one| one["what"].as_str().unwrap()).collect()
+}
+
+fn declaration<'r>(report: &'r Value, what: &str) -> &'r Value {
+    let all = report["files"][0]["declarations"].as_array().unwrap();
+    all.iter().find(|one| one["what"] == what).unwrap_or_else(|| panic!("{what}: {report}"))
+}
+
+#[test]
+fn a_squared_distance_stays_highp_and_the_rest_goes_down() {
+    let report = tuned("distance.frag --format json").0.expect(1).json();
+    assert_eq!(report["status"], "can be lower");
+    assert!(high(&report).contains(&"squared"), "{report}");
+    assert!(!high(&report).contains(&"input v_tint"), "{report}");
+    assert_eq!(report["files"][0]["smallest"], true, "{report}");
+    let why = &declaration(&report, "squared")["why"];
+    assert!(why["message"].as_str().unwrap().contains("range of `mediump`"), "{why}");
+    assert!(!why["inputs"].as_array().unwrap().is_empty(), "{why}");
+}
+
+#[test]
+fn where_all_may_go_down_the_default_does() {
+    let report = tuned("all.frag --format json").0.expect(1).json();
+    assert!(high(&report).is_empty(), "{report}");
+    let patch = report["files"][0]["patch"].as_str().unwrap();
+    assert!(patch.contains("+precision mediump float;"), "{patch}");
+    assert!(report["files"][0]["worst"].as_f64().unwrap() <= 1.0);
+}
+
+#[test]
+fn where_none_may_nothing_is_changed() {
+    let (ran, folder) = tuned("none.frag --format json --fix");
+    let report = ran.expect(0).json();
+    assert_eq!((report["status"].as_str(), high(&report).len()), (Some("clean"), 2), "{report}");
+    let own = fs::read_to_string(root().join("fixtures/tune/none.frag")).unwrap();
+    assert_eq!(fs::read_to_string(folder.path().join("none.frag")).unwrap(), own);
+}
+
+#[test]
+fn what_is_too_low_is_raised() {
+    let (ran, folder) = tuned("wrong.frag --format json --fix");
+    let report = ran.expect(0).json();
+    assert_eq!(report["status"], "too low");
+    let raised = high(&report);
+    assert!(raised.contains(&"texel") && !raised.contains(&"part"), "{report}");
+    assert_eq!(report["files"][0]["written"], true);
+    // What was written has nothing left.
+    let again = run_in(folder.path(), "tune wrong.frag --samples 2048 --format json").expect(0).json();
+    assert_eq!(again["status"], "clean", "{again}");
+}
+
+#[test]
+fn what_cannot_be_tuned_is_said() {
+    let says = |arguments: &str, text: &str| {
+        let (ran, _) = tuned(arguments);
+        let ran = ran.expect(2);
+        assert!(ran.err.contains(text), "{arguments}: {}", ran.err);
+    };
+    says("distance.frag --domain v_delta=[0,inf)", "range without an end");
+    says("distance.frag --domain v_delta=[2,1]", "is empty");
+    says("distance.frag --target rgba9", "no format `rgba9` is known");
+    says("distance.frag --error 0", "--error");
+    says("distance.frag --error nothing=0.1", "there is no output `nothing`");
+    says("distance.frag --entry nothing", "there is no function `nothing`");
+    says("distance.frag --viewport 0x5", "width and height");
+    says("position.vert", "--viewport 1920x1080");
+    says("empty.frag", "nothing to tune");
+}
+
+#[test]
+fn a_position_may_be_off_by_half_a_pixel() {
+    let at = |viewport: &str, status: i32| {
+        let ran = tuned(&format!("position.vert --viewport {viewport} --format json")).0.expect(status);
+        high(&ran.json()).len()
+    };
+    assert_eq!(at("64x64", 1), 0, "64 pixels need seven bits");
+    assert_eq!(at("7680x4320", 0), 1, "7680 pixels need more than ten");
+}
