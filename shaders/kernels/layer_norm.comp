@@ -21,7 +21,7 @@ float sumOfGroup(float own) {
         barrier();
     }
     float sum = part[0];
-    // Mesa's compiler of OpenGL moves the read behind a barrier without it.
+    // Without it Mesa 22.3 gives other numbers on OpenGL, as if it read behind the barrier.
     memoryBarrierShared();
     barrier();
     return sum;

@@ -111,6 +111,10 @@ pub fn run(args: &MutateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyho
         match work.suite(one, &mut progress)? {
             Err(_) if interrupt::asked() => {}
             Ok(result) => summary.suites.push(result),
+            // Its other sizes are mutated.
+            Err(error @ MutateError::Large { .. }) if selected.len() > 1 => {
+                progress.suspend(|| writeln!(err, "note: {error}"))?;
+            }
             Err(error) => {
                 progress.suspend(|| {
                     diagnostics_of(&error).try_for_each(|text| err.write_all(text.as_bytes()))?;

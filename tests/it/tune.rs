@@ -46,7 +46,7 @@ fn where_all_may_go_down_the_default_does() {
     assert!(high(&report).is_empty(), "{report}");
     let patch = report["files"][0]["patch"].as_str().unwrap();
     assert!(patch.contains("+precision mediump float;"), "{patch}");
-    assert!(report["files"][0]["worst"].as_f64().unwrap() <= 1.0);
+    assert!(report["files"][0]["worst"].as_str().unwrap().parse::<f64>().unwrap() <= 1.0);
 }
 
 #[test]

@@ -150,6 +150,13 @@ pub fn run(args: &GenerateArgs, out: &mut dyn Write, err: &mut dyn Write) -> any
         match item {
             Item::Suite(selected) => {
                 let prepared = prepare(&selected.suite, &selected.shader)?;
+                if prepared.program.is_large() {
+                    let name = &prepared.suite.name;
+                    let why = "no reference data is made of a dispatch whose buffers hold 4,096 words or more";
+                    anyhow::ensure!(items.len() > 1, "`{name}`: {why}; name a smaller size");
+                    writeln!(err, "note: `{name}` is left out: {why}")?;
+                    continue;
+                }
                 let own = match prepared.suite.expect {
                     Expect::Recorded(_) => prepared.rows.len() as u64,
                     Expect::Formula(_) | Expect::Reference(_) | Expect::Nothing => prepared.suite.samples,

@@ -12,6 +12,12 @@ pub enum MutateError {
     /// The suite and its shader cannot be run.
     #[error(transparent)]
     Suite(#[from] RunError),
+    /// The suite is about a dispatch so large that no mutant of it is judged in reasonable time.
+    #[error("suite `{suite}`: no mutants of a dispatch whose buffers hold 4,096 words or more; name a smaller size")]
+    Large {
+        /// Name of the suite.
+        suite: String,
+    },
     /// The kernel cannot be made.
     #[error("suite `{suite}`: {source}")]
     Program {

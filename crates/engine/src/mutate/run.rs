@@ -82,6 +82,9 @@ pub fn run(
 ) -> Result<SuiteResult, MutateError> {
     let name = || suite.name.clone();
     let prepared = prepare(suite, shader)?;
+    if prepared.program.is_large() {
+        return Err(MutateError::Large { suite: name() });
+    }
     let kernel = fuelled(&prepared)?;
     let lane_error = |source| MutateError::Lane { suite: name(), source };
     let promises = Promises::of_lane(lane.description());

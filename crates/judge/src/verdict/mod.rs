@@ -30,6 +30,7 @@ mod undefined;
 mod unlike;
 mod used;
 mod whole;
+mod whole_survey;
 
 pub use batch::{BatchVerdict, Doubts, Failure, judge_at, judge_batch, judge_each};
 pub use closeup::{Closeup, Seen, closeups};
@@ -51,3 +52,4 @@ pub use undefined::dependences;
 pub use unlike::unlike;
 pub use used::{Used, used};
 pub use whole::{judge_whole, work_of_whole};
+pub use whole_survey::WholeSurvey;

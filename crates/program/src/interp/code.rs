@@ -594,9 +594,4 @@ impl Executable {
     pub fn outputs(&self) -> impl ExactSizeIterator<Item = Scalar> + '_ {
         self.outputs.iter().map(|register| register.scalar)
     }
-
-    /// For a geometry stage, the number of vertices that are stored.
-    pub fn max_vertices(&self) -> Option<u32> {
-        self.max_vertices
-    }
 }

@@ -3,7 +3,7 @@
 use std::mem::take;
 
 use super::POISON;
-use super::code::File;
+use super::code::{Executable, File};
 use super::domain::Domain;
 use super::machine::Machine;
 use super::meaning::{Finding, Flags};
@@ -16,6 +16,13 @@ pub enum OutputColumn<'m, C> {
     Real(&'m C),
     /// An integer or boolean.
     Word(&'m Words),
+}
+
+impl Executable {
+    /// For a geometry stage, the number of vertices that are stored.
+    pub fn max_vertices(&self) -> Option<u32> {
+        self.max_vertices
+    }
 }
 
 /// What came out of the last chunk.

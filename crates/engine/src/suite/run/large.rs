@@ -10,10 +10,14 @@ use super::part::{Counted, Part, Terms};
 use super::sampling::Sampled;
 use super::{Prepared, Request, Share};
 use base::value::Batch;
-use judge::verdict::{JudgeContext, judge_whole, work_of_whole};
+use judge::verdict::{JudgeContext, WholeSurvey, judge_whole, work_of_whole};
 use lanes::{Lane, LaneError, Stage, interrupt};
 use program::Kernel;
+use program::interp::InterpError;
 use property::{Sample, Sampler};
+
+/// Samples whose bounds are surveyed.
+const SURVEYED: u64 = 4;
 
 /// Rounds of loops of all samples together, unless a number of samples is asked for.
 const ROUNDS: u64 = 1 << 20;
@@ -61,10 +65,15 @@ pub(super) fn run(
     let range = if request.replay_only || !makes_samples { 0..0 } else { share.shard.range(wanted) };
     let mut sampled = share.resume.take().unwrap_or(Sampled { next: range.start, counted: Counted::default() });
     let mut first = None;
+    let surveyed = if once && sampled.counted.survey.is_none() { SURVEYED } else { 0 };
+    let mut survey = WholeSurvey::default();
     let mut judge = |counted: &mut Counted, number: u64, batch: &Batch| -> Result<(), LaneError> {
         let actual = runner.run(batch)?;
-        let mut verdict = judge_whole(&context, batch, &actual, suite.floors.undetermined)
-            .map_err(|error| LaneError::Unsupported(error.locate(&prepared.program)))?;
+        let told = |error: InterpError| LaneError::Unsupported(error.locate(&prepared.program));
+        let mut verdict = judge_whole(&context, batch, &actual, suite.floors.undetermined).map_err(told)?;
+        if number < surveyed {
+            survey.see(&context, batch, &actual).map_err(told)?;
+        }
         // What was cut short says nothing.
         if interrupt::asked() {
             return Ok(());
@@ -93,6 +102,7 @@ pub(super) fn run(
     if sampled.next < range.end && !share.partial {
         return Ok(None);
     }
+    sampled.counted.survey = sampled.counted.survey.take().or(survey.read(&context, &kernel.output.vertex));
     if let Some((number, deviation)) = first {
         part.findings.push(Finding {
             kind: FindingKind::Deviation,

@@ -59,6 +59,16 @@ impl Runner for Literals<'_> {
     }
 }
 
+/// Of a large dispatch the judge of whole dispatches alone says anything: see `super::large`.
+fn refuse_large(prepared: &Prepared) -> Result<(), LaneError> {
+    match prepared.program.is_large() {
+        true => Err(LaneError::Unsupported(
+            "single samples of a dispatch of 4,096 words or more; name a smaller size".to_owned(),
+        )),
+        false => Ok(()),
+    }
+}
+
 /// Copies of a sample that are run beside others where each is a dispatch.
 const FEW: usize = 3;
 
@@ -120,6 +130,7 @@ impl<'a> Trial<'a> {
         promises: &'a Promises,
         most: usize,
     ) -> Result<Self, LaneError> {
+        refuse_large(prepared)?;
         let widest = kernel.output.words().max(kernel.invocation.words()).max(kernel.case.words()).max(1);
         let capacity = most.min(BATCH_WORDS / widest).max(1);
         let stage = match kernel.form {
@@ -143,6 +154,7 @@ impl<'a> Trial<'a> {
         promises: &'a Promises,
         most: usize,
     ) -> Result<Self, LaneError> {
+        refuse_large(prepared)?;
         let stage = stage_of(source);
         let runner: Box<dyn Runner + 'a> = match (source, &prepared.vertex) {
             (InputSource::Constants, _) => {

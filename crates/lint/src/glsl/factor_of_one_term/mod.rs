@@ -84,7 +84,7 @@ mod tests {
     fn halves_of_one_term_are_reported() {
         rings(
             "N038",
-            Level::Strict,
+            Level::Default,
             &[
                 "r = 0.5 * length(p) + length(q);",
                 "r = length(p) + length(q) / 2.0;",
