@@ -162,18 +162,35 @@ pub(super) struct Arena {
     pub least: Pool,
     /// For rearrangement: the same where its factors are distributed over sums.
     pub part: Pool,
+    /// For rearrangement on a tape of radii: what the terms of a sum or product are off by, without what any order of them
+    /// rounds to.
+    pub terms: Pool,
 }
 
 impl Arena {
     pub(super) fn clear(&mut self) {
-        let Self { nodes, value, radius, local, exact, partials, slopes, masks, size, roundings, peak, least, part } =
-            self;
+        let Self {
+            nodes,
+            value,
+            radius,
+            local,
+            exact,
+            partials,
+            slopes,
+            masks,
+            size,
+            roundings,
+            peak,
+            least,
+            part,
+            terms,
+        } = self;
         nodes.clear();
         *slopes = 0;
         masks.clear();
         // Columns past these are given back.
         exact.truncate(KEPT);
-        for pool in [value, radius, local, partials, size, roundings, peak, least, part] {
+        for pool in [value, radius, local, partials, size, roundings, peak, least, part, terms] {
             pool.clear();
         }
     }

@@ -2,6 +2,7 @@
 
 use super::Tape;
 use super::arena::{Id, NodeKind, Slots};
+use super::kernels::carried_by_product;
 use crate::profile::grid::{MAX_FINITE, MIN_NORMAL};
 use program::interp::{Mask, SLOTS};
 
@@ -72,6 +73,10 @@ impl Tape<'_> {
         *self.arena.roundings.get_mut(terms) = term;
         self.extremes(at, kind);
         self.smallest_part(at, kind);
+        let still = self.is_still();
+        if still {
+            self.off_by_terms(at, kind);
+        }
         if kind.is_polynomial() {
             let lost = self.lost_inside(kind);
             let height = self.arena.roundings.get(heights);
@@ -98,6 +103,38 @@ impl Tape<'_> {
             });
             *self.arena.local.get_mut(at) = own;
             self.arena.nodes[at].exact = false;
+            // The whole is regrouped at once: what sums inside of it would be off by themselves is not added to that. A
+            // sweep leaves it out likewise.
+            if still {
+                let (terms, radius) = (self.arena.terms.get(at), self.arena.radius.get_mut(at));
+                number::wide(|| (0..SLOTS).for_each(|slot| radius[slot] = terms[slot] + own[slot]));
+            }
+        }
+    }
+
+    /// What the terms of a sum or product are off by, each by itself.
+    fn off_by_terms(&mut self, at: usize, kind: NodeKind) {
+        self.arena.terms.reach(at);
+        let (before, off) = self.arena.terms.split(at);
+        match kind {
+            NodeKind::Leaf | NodeKind::One { .. } | NodeKind::Two { .. } => *off = *self.arena.radius.get(at),
+            NodeKind::Sum { a, signs: (_, 0.0), .. } => *off = *before.get(a as usize),
+            NodeKind::Sum { a, b, .. } => {
+                let (a, b) = (before.get(a as usize), before.get(b as usize));
+                number::wide(|| (0..SLOTS).for_each(|slot| off[slot] = a[slot] + b[slot]));
+            }
+            NodeKind::Product { a, b } => {
+                let (ea, eb) = (before.get(a as usize), before.get(b as usize));
+                let (x, y) = (self.arena.value.get(a as usize), self.arena.value.get(b as usize));
+                for slot in 0..SLOTS {
+                    let carried = carried_by_product(x[slot], ea[slot], y[slot], eb[slot]);
+                    off[slot] = if carried.is_nan() { f64::INFINITY } else { carried };
+                }
+            }
+            NodeKind::Select { mask, a, b } => {
+                *off = *before.get(b as usize);
+                self.arena.masks[mask as usize].merge(before.get(a as usize), off);
+            }
         }
     }
 

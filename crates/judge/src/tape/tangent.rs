@@ -133,6 +133,11 @@ impl Tape<'_> {
         Self { tangents: Some(Tangents { still: true, ..Tangents::default() }), ..self }
     }
 
+    /// True for a tape of radii alone.
+    pub(super) fn is_still(&self) -> bool {
+        self.tangents.as_ref().is_some_and(|tangents| tangents.still)
+    }
+
     fn tangents(&self) -> &Tangents {
         self.tangents.as_ref().expect("the tape was made without displacements")
     }
@@ -173,7 +178,7 @@ impl Tape<'_> {
 
     /// The displacement of a new node, whose other columns are complete.
     pub(super) fn move_on(&mut self, id: Id) {
-        if self.tangents.as_ref().is_none_or(|tangents| tangents.still) {
+        if self.is_still() {
             return;
         }
         let Some(mut tangents) = self.tangents.take() else { return };
