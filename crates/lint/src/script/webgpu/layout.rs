@@ -241,9 +241,9 @@ fn of_javascript(values: &Values<'_, '_>, open: usize, object: &Value) -> Kind {
         Entry::Unknown => None,
         Entry::Value(v) => values.word(&v).map(str::to_owned),
     };
-    let read = |of: &Value| values.object(of).is_some();
+    let read = |of: &Value, known: &[&str]| values.object(of).is_some() && !values.says_more(of, known);
     if let Some(buffer) = part("buffer") {
-        if !read(&buffer) {
+        if !read(&buffer, &["type", "hasDynamicOffset", "minBindingSize"]) {
             return Kind::Unknown;
         }
         let least = values.field(&buffer, "min_binding_size").value().and_then(|v| number(values, &v));
@@ -256,10 +256,10 @@ fn of_javascript(values: &Values<'_, '_>, open: usize, object: &Value) -> Kind {
     }
     if let Some(sampler) = part("sampler") {
         let ty = text(&sampler, "type", "filtering");
-        return Kind::Sampler(ty.filter(|_| read(&sampler)).map(|t| t == "comparison"));
+        return Kind::Sampler(ty.filter(|_| read(&sampler, &["type"])).map(|t| t == "comparison"));
     }
     if let Some(texture) = part("texture") {
-        if !read(&texture) {
+        if !read(&texture, &["sampleType", "viewDimension", "multisampled"]) {
             return Kind::Unknown;
         }
         let multisampled = match values.field(&texture, "multisampled") {
@@ -271,7 +271,7 @@ fn of_javascript(values: &Values<'_, '_>, open: usize, object: &Value) -> Kind {
         return Kind::Texture { sample, dimension, multisampled };
     }
     if let Some(texture) = part("storage_texture") {
-        if !read(&texture) {
+        if !read(&texture, &["access", "format", "viewDimension"]) {
             return Kind::Unknown;
         }
         let access = match text(&texture, "access", "write-only").as_deref() {

@@ -129,6 +129,26 @@ fn rules_on_modules_report_in_strings() {
 }
 
 #[test]
+fn an_entry_in_the_words_of_another_interface_says_nothing() {
+    let told = |buffer: &str| -> Vec<String> {
+        let host = format!(
+            "const module = device.createShaderModule({{ code: `\n@group(0) @binding(0) var<storage, read> a: array<f32>;\n\
+             @compute @workgroup_size(1) fn main() {{ _ = a[0]; }}\n` }});\n\
+             const l = device.createBindGroupLayout({{ entries: [{{ binding: 0, visibility: GPUShaderStage.COMPUTE, buffer: {buffer} }}] }});\n\
+             const p = device.createComputePipeline({{ layout: device.createPipelineLayout({{ bindGroupLayouts: [l] }}), \
+             compute: {{ module, entryPoint: 'main' }} }});\n"
+        );
+        let found = run(&[Input::new(SourceFile::new("a.ts", host))]);
+        found.iter().filter(|d| d.code.0 == "W013").map(|d| d.message.to_string()).collect()
+    };
+    let differs = "the layout has a uniform buffer, and the shader declares a read-only storage buffer";
+    assert_eq!(told("{}"), [differs]);
+    assert_eq!(told("{ hasDynamicOffset: false }"), [differs]);
+    assert!(told("{ type: 'read-only-storage' }").is_empty());
+    assert!(told("{ bindingType: 'read-only-storage' }").is_empty());
+}
+
+#[test]
 fn stages_are_held_apart() {
     let host = |entry: &str| {
         format!(

@@ -419,6 +419,13 @@ impl<'t> Values<'_, 't> {
         if unknown { Entry::Unknown } else { Entry::Absent }
     }
 
+    /// True where an object says something under a key of JavaScript that is none of these: it is another interface's.
+    pub fn says_more(&self, object: &Value, known: &[&str]) -> bool {
+        let Some((open, _)) = self.object(object) else { return false };
+        let elements = self.code.elements(open);
+        elements.iter().filter_map(|element| self.code.key(element.start)).any(|key| !known.contains(&key))
+    }
+
     /// The elements of a list in brackets; none where not all are seen.
     pub fn list(&self, value: &Value) -> Option<Vec<Value>> {
         let code = self.code;
