@@ -1,10 +1,13 @@
 //! Large dispatches, judged word by word: devices that err as far as they may, in other orders of their invocations, are
 //! not accused, and one that errs farther is.
 
+use std::ops::ControlFlow;
+
 use base::value::Batch;
 use engine::adversary::{Adversary, Strategy};
+use engine::shard::Shard;
 use engine::suite::load;
-use engine::suite::run::{FindingKind, Prepared, Report, prepare, run};
+use engine::suite::run::{FindingKind, Prepared, Report, Sampled, Share, prepare, run, run_part};
 use judge::profile::{self, Promises};
 use lanes::{Actual, Description, Lane, LaneError, Runner, Stage, embedded};
 use program::Kernel;
@@ -105,4 +108,26 @@ fn a_device_that_errs_farther_is_accused_and_the_shader_is_not() {
             assert_eq!(told.is_some_and(|found| found.message.starts_with("the lane deviates")), deviated, "{name}");
         }
     }
+}
+
+#[test]
+fn a_run_that_is_taken_up_again_keeps_what_was_found() {
+    let prepared = kernel("sum", "[N=70001]");
+    let (right, off) = (embedded::open().unwrap(), Off(embedded::open().unwrap(), 1e-3));
+    let request = request(&prepared, Some(2), Promises::of_lane(right.description()));
+    let mut kept = None;
+    let mut stop = |sampled: &Sampled| {
+        kept = Some(sampled.clone());
+        ControlFlow::Break(())
+    };
+    let mut go_on = |_: &Sampled| ControlFlow::Continue(());
+    let way = (Stage::Compute, None);
+    let share = Share { shard: Shard::WHOLE, resume: None, save: &mut stop, partial: true };
+    assert!(run_part(&prepared, &off, way, &request, share, &mut |_| {}).unwrap().is_none());
+    // What is left is right.
+    let share = Share { shard: Shard::WHOLE, resume: kept, save: &mut go_on, partial: true };
+    let report = run_part(&prepared, &*right, way, &request, share, &mut |_| {}).unwrap().unwrap().report();
+    assert_eq!((report.verdicts.agreed, report.verdicts.deviated), (1, 1));
+    let told = report.findings.iter().find(|finding| finding.kind == FindingKind::Deviation);
+    assert!(told.is_some_and(|told| told.message.ends_with("in sample 0")), "{:?}", report.findings);
 }

@@ -29,7 +29,7 @@ fn samples(
     request: &Request,
     wanted: u64,
 ) -> Result<u64, LaneError> {
-    if request.samples.is_some() || request.replay_only || wanted == 0 {
+    if request.samples.is_some() || request.replay_only || wanted < 2 {
         return Ok(wanted);
     }
     let work = work_of_whole(context, &sampler.batch(0, 1, 1), 0);
@@ -64,7 +64,6 @@ pub(super) fn run(
     let makes_samples = prepared.plan.makes_samples();
     let range = if request.replay_only || !makes_samples { 0..0 } else { share.shard.range(wanted) };
     let mut sampled = share.resume.take().unwrap_or(Sampled { next: range.start, counted: Counted::default() });
-    let mut first = None;
     let surveyed = if once && sampled.counted.survey.is_none() { SURVEYED } else { 0 };
     let mut survey = WholeSurvey::default();
     let mut judge = |counted: &mut Counted, number: u64, batch: &Batch| -> Result<(), LaneError> {
@@ -79,7 +78,7 @@ pub(super) fn run(
             return Ok(());
         }
         if let Some(failure) = verdict.failures.first() {
-            first.get_or_insert_with(|| (number, failure.deviation.clone()));
+            counted.deviation.get_or_insert_with(|| (number, failure.deviation.clone()));
         }
         verdict.failures.clear();
         counted.add(prepared, number, (batch, &actual), verdict);
@@ -103,7 +102,7 @@ pub(super) fn run(
         return Ok(None);
     }
     sampled.counted.survey = sampled.counted.survey.take().or(survey.read(&context, &kernel.output.vertex));
-    if let Some((number, deviation)) = first {
+    if let Some((number, deviation)) = &sampled.counted.deviation {
         part.findings.push(Finding {
             kind: FindingKind::Deviation,
             message: format!("{}, in sample {number}", deviation.message(reference.noun())),

@@ -7,7 +7,7 @@ use super::finding::{self, Finding};
 use super::{
     Apart, Coverage, Doubtful, Prepared, Reach, Repeated, Report, Request, Translated, Way, doubts, repeat, survey,
 };
-use judge::verdict::{BatchVerdict, Reason, Survey};
+use judge::verdict::{BatchVerdict, Deviation, Reason, Survey};
 use lanes::{Actual, LaneName, Stage};
 use program::InputSource;
 use property::{Plan, Sample};
@@ -94,6 +94,9 @@ pub struct Counted {
     pub(super) undefined: Vec<Failing>,
     /// The survey of the first samples of the run.
     pub(super) survey: Option<Survey>,
+    /// Of large dispatches, the first that deviates, with its number.
+    #[serde(default)]
+    pub(super) deviation: Option<(u64, Deviation)>,
 }
 
 /// Undetermined samples, with the number of the first of them.
@@ -194,7 +197,9 @@ impl Counted {
 
     /// Adds what other samples gave, whichever come first.
     pub(super) fn join(&mut self, other: Self) {
-        let Self { verdicts, doubts, failing, undefined, survey } = other;
+        let Self { verdicts, doubts, failing, undefined, survey, deviation } = other;
+        let first = self.deviation.take().into_iter().chain(deviation);
+        self.deviation = first.min_by_key(|(number, _)| *number);
         self.undefined.extend(undefined);
         self.verdicts.merge(verdicts);
         doubts.into_iter().for_each(|doubts| self.doubt(doubts));
