@@ -1,6 +1,6 @@
 //! Numbers of the adversary in memory that invocations share: binary32 numbers.
 
-use program::interp::group::{InMemory, Sum};
+use program::interp::group::{InMemory, RealCombine};
 use program::interp::{Binary32, Mask, SLOTS};
 use property::mix;
 
@@ -31,7 +31,7 @@ impl InMemory for Adversary {
         });
     }
 
-    fn combined(op: Sum, old: f32, value: f32) -> f32 {
+    fn combined(op: RealCombine, old: f32, value: f32) -> f32 {
         <Binary32 as InMemory>::combined(op, old, value)
     }
 }

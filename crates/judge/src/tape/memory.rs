@@ -4,7 +4,7 @@
 //! cancel do not, so that the radius of what comes of them is larger than a bound by one sweep over all invocations would be,
 //! and it never is smaller.
 
-use program::interp::group::{InMemory, Sum};
+use program::interp::group::{InMemory, RealCombine};
 use program::interp::{Mask, SLOTS, Site};
 
 use super::{Column, Tape};
@@ -52,14 +52,15 @@ impl InMemory for Tape<'_> {
     }
 
     /// Sums by atomic functions come in any order, and nothing is known of what that does to them.
-    fn combined(op: Sum, old: Cell, value: Cell) -> Cell {
+    fn combined(op: RealCombine, old: Cell, value: Cell) -> Cell {
         let (a, b) = (old.value, value.value);
         let most = old.radius.max(value.radius);
         match op {
-            Sum::Add => Cell { value: a + b, radius: f64::INFINITY },
-            Sum::Subtract => Cell { value: a - b, radius: f64::INFINITY },
-            Sum::Min => Cell { value: a.min(b), radius: most },
-            Sum::Max => Cell { value: a.max(b), radius: most },
+            RealCombine::Add => Cell { value: a + b, radius: f64::INFINITY },
+            RealCombine::Subtract => Cell { value: a - b, radius: f64::INFINITY },
+            RealCombine::Min => Cell { value: a.min(b), radius: most },
+            RealCombine::Max => Cell { value: a.max(b), radius: most },
+            RealCombine::Exchange => value,
         }
     }
 

@@ -22,8 +22,8 @@ pub trait InMemory: Domain {
     /// Puts numbers from memory into the slots of `mask`, and leaves the others.
     fn put(&mut self, mask: &Mask, cells: &[Self::Cell; SLOTS], to: &mut Self::Column);
 
-    /// What an atomic sum, difference, minimum or maximum leaves in memory. `op` is none of those that work on bits.
-    fn combined(op: Sum, old: Self::Cell, value: Self::Cell) -> Self::Cell;
+    /// What an atomic function on real numbers leaves in memory.
+    fn combined(op: RealCombine, old: Self::Cell, value: Self::Cell) -> Self::Cell;
 
     /// The first decision of a slot since it began that could have gone the other way; none for a domain that does not look.
     fn doubted(&self, slot: usize) -> Option<Site> {
@@ -39,7 +39,7 @@ pub trait InMemory: Domain {
 
 /// What an atomic function on real numbers makes of two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sum {
+pub enum RealCombine {
     /// a + b.
     Add,
     /// a − b.
@@ -48,17 +48,20 @@ pub enum Sum {
     Min,
     /// The greater.
     Max,
+    /// The second.
+    Exchange,
 }
 
 impl Combine {
     /// The function on real numbers; `None` for one that works on bits.
-    pub(super) fn of_reals(self) -> Option<Sum> {
+    pub(super) fn of_reals(self) -> Option<RealCombine> {
         match self {
-            Self::Add => Some(Sum::Add),
-            Self::Subtract => Some(Sum::Subtract),
-            Self::Min => Some(Sum::Min),
-            Self::Max => Some(Sum::Max),
-            Self::And | Self::Or | Self::Xor | Self::Exchange => None,
+            Self::Add => Some(RealCombine::Add),
+            Self::Subtract => Some(RealCombine::Subtract),
+            Self::Min => Some(RealCombine::Min),
+            Self::Max => Some(RealCombine::Max),
+            Self::Exchange => Some(RealCombine::Exchange),
+            Self::And | Self::Or | Self::Xor => None,
         }
     }
 }
@@ -90,13 +93,14 @@ where
         mask.each(|slot| values[slot] = cells[slot]);
     }
 
-    fn combined(op: Sum, old: N, value: N) -> N {
+    fn combined(op: RealCombine, old: N, value: N) -> N {
         let (a, b) = (old.widen(), value.widen());
         N::nearest(match op {
-            Sum::Add => a + b,
-            Sum::Subtract => a - b,
-            Sum::Min => a.min(b),
-            Sum::Max => a.max(b),
+            RealCombine::Add => a + b,
+            RealCombine::Subtract => a - b,
+            RealCombine::Min => a.min(b),
+            RealCombine::Max => a.max(b),
+            RealCombine::Exchange => b,
         })
     }
 }

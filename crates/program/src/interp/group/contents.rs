@@ -259,19 +259,8 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
     }
 }
 
-/// What an atomic function leaves in memory.
+/// What an atomic function on words leaves in memory.
 fn combine(op: Combine, scalar: Scalar, old: u32, value: u32) -> u32 {
-    if scalar == Scalar::F32 {
-        let (a, b) = (f32::from_bits(old), f32::from_bits(value));
-        let number = match op {
-            Combine::Add => a + b,
-            Combine::Subtract => a - b,
-            Combine::Min => a.min(b),
-            Combine::Max => a.max(b),
-            Combine::And | Combine::Or | Combine::Xor | Combine::Exchange => return value,
-        };
-        return number.to_bits();
-    }
     let signed = scalar == Scalar::I32;
     match op {
         Combine::Add => old.wrapping_add(value),

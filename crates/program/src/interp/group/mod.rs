@@ -29,7 +29,7 @@ use super::plain::{Column, Number, Plain};
 use super::slots::{Mask, SLOTS};
 use crate::lane::interrupt;
 
-pub use cells::{InMemory, Sum};
+pub use cells::{InMemory, RealCombine};
 pub use depends::{Depends, Sources, Uses};
 pub use memory::{Access, Incident, Party, Wrong};
 pub use shape::{Array, Leaf, MemoryShape, Space};
