@@ -1,8 +1,9 @@
 //! How tight the bounds of large dispatches are, as a [`Survey`] says it of other programs.
 
+use super::judge::agrees;
 use super::oracle::JudgeContext;
 use super::survey::Survey;
-use super::tightness::{Gauge, Word};
+use super::tightness::{Gauge, Word, Worst, keep_worse};
 use crate::profile::grid::MIN_NORMAL;
 use crate::tape::Model;
 use base::value::{Batch, Record, Scalar};
@@ -15,6 +16,8 @@ pub struct WholeSurvey {
     promise: Gauge,
     measured: Gauge,
     invocations: u64,
+    beyond: u64,
+    worst_beyond: Option<Worst>,
 }
 
 impl WholeSurvey {
@@ -24,9 +27,14 @@ impl WholeSurvey {
     /// # Errors
     /// [`InterpError`] for what is no large dispatch.
     pub fn see(&mut self, context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) -> Result<(), InterpError> {
-        gauge(&mut self.promise, context, context.lenient(), batch, actual)?;
+        let broken = gauge(&mut self.promise, context, context.lenient(), batch, actual)?;
         if let Some(model) = context.measured() {
-            gauge(&mut self.measured, context, model, batch, actual)?;
+            let beyond = gauge(&mut self.measured, context, model, batch, actual)?;
+            // A word beyond its promise makes the dispatch a deviation, whatever the others are.
+            if broken.is_none() && beyond.is_some() {
+                self.beyond += 1;
+                keep_worse(&mut self.worst_beyond, beyond);
+            }
         }
         self.invocations += 1;
         Ok(())
@@ -39,19 +47,21 @@ impl WholeSurvey {
             invocations: self.invocations,
             promise: self.promise.read(&promises.conformance.unwrap_or(promises.text).name, record),
             measured: promises.measured.as_ref().map(|profile| self.measured.read(&profile.name, record)),
-            beyond: 0,
-            worst_beyond: None,
+            beyond: self.beyond,
+            worst_beyond: self.worst_beyond,
         })
     }
 }
 
+/// Gauges the words by a model. Gives the one that is farthest beyond its bound.
 fn gauge(
     gauge: &mut Gauge,
     context: &JudgeContext<'_>,
     model: Model<'_>,
     batch: &Batch,
     actual: &Actual,
-) -> Result<(), InterpError> {
+) -> Result<Option<Worst>, InterpError> {
+    let mut beyond = None;
     let device = context.oracle.whole(model, batch, 0)?;
     let (record, found) = (&actual.layout().vertex, actual.vertex(0, 0));
     for field in 0..record.fields().len() {
@@ -68,7 +78,10 @@ fn gauge(
             let error = (f64::from(f32::from_bits(found[word])) - cell.value).abs();
             let seen = Word { word, field, error, bound: cell.radius, size };
             gauge.see(&seen, |word| word.worst(record, None, 0));
+            if seen.bound.is_finite() && !agrees(seen.error, 0.0, seen.bound) {
+                keep_worse(&mut beyond, Some(seen.worst(record, None, 0)));
+            }
         }
     }
-    Ok(())
+    Ok(beyond)
 }
