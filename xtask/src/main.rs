@@ -88,6 +88,13 @@ fn run(arguments: Vec<OsString>, messages: &mut dyn Write) -> Result<u8> {
     let task = arguments.next();
     let rest: Vec<OsString> = arguments.collect();
     match task.as_ref().and_then(|t| t.to_str()) {
+        // Arguments of the others go on to a program that has a help of its own.
+        Some("tidy" | "book" | "editor" | "package" | "soundness" | "survey" | "piglit" | "slurm-demo")
+            if rest.iter().any(|a| a == "--help" || a == "-h") =>
+        {
+            io::stdout().write_all(USAGE.as_bytes())?;
+            Ok(0)
+        }
         Some("check") => tasks::check(&rest, messages),
         Some("test") => tasks::test(&rest, messages),
         Some("tidy") if rest.is_empty() => tasks::tidy(messages),

@@ -5,6 +5,7 @@ use syntax::Shader;
 use syntax::Stage;
 use syntax::ast::{Block, ExprId, ExprKind, Function, ItemKind, Stmt, StmtKind};
 use syntax::types::{ScalarType, Type};
+use syntax::wgsl::ModuleItem;
 
 use crate::unit::Unit;
 use crate::workspace::Workspace;
@@ -25,16 +26,16 @@ pub struct Probe {
 
 impl Workspace {
     /// What gives the expression of `float`s at a place as the result of a function: the function itself on its name, or
-    /// else one that ends where the expression stands. None for other texts than GLSL without errors.
+    /// else one that ends where the expression stands. None for texts with errors.
     pub fn probe(&self, name: &str, offset: usize) -> Option<Probe> {
-        let unit = self.units_of(name).into_iter().find(|u| u.errors == 0 && !u.is_wgsl())?;
+        let unit = self.units_of(name).into_iter().find(|u| u.errors == 0)?;
         let shader = &unit.shader;
         let at = |span: Span| unit.place_in(name, span).is_some_and(|s| s.start <= offset && offset <= s.end);
-        let functions = shader.unit().items.iter().filter_map(|item| match &item.kind {
-            ItemKind::Function(f) if f.body.is_some() => Some((f, item.span)),
+        let functions = shader.unit().items.iter().enumerate().filter_map(|(index, item)| match &item.kind {
+            ItemKind::Function(f) if f.body.is_some() => Some((index, f, item.span)),
             _ => None,
         });
-        for (function, span) in functions {
+        for (index, function, span) in functions {
             if at(function.name.span) {
                 let own =
                     Probe { file: unit.file().clone(), stage: shader.stage(), function: function.name.name.clone() };
@@ -42,7 +43,7 @@ impl Workspace {
             }
             if at(span) {
                 let id = innermost(unit, &at)?;
-                return cut(shader, function, id);
+                return cut(shader, (index, function), id);
             }
         }
         None
@@ -56,10 +57,15 @@ fn innermost(unit: &Unit, at: &impl Fn(Span) -> bool) -> Option<ExprId> {
 }
 
 /// The function with the expression as its result.
-fn cut(shader: &Shader, function: &Function, id: ExprId) -> Option<Probe> {
-    let ty = shader.type_of(id);
+fn cut(shader: &Shader, (index, function): (usize, &Function), id: ExprId) -> Option<Probe> {
+    let ty = match (shader.type_of(id), shader.wgsl()) {
+        (Type::Scalar(ScalarType::Float), Some(_)) => "f32".to_owned(),
+        (Type::Vector(ScalarType::Float, size), Some(_)) => format!("vec{size}<f32>"),
+        (ty @ (Type::Scalar(ScalarType::Float) | Type::Vector(ScalarType::Float, _)), None) => ty.to_string(),
+        _ => return None,
+    };
     let expr = shader.expr(id);
-    if !matches!(ty, Type::Scalar(ScalarType::Float) | Type::Vector(ScalarType::Float, _)) || expr.from_macro {
+    if expr.from_macro {
         return None;
     }
     // What is written has no value before.
@@ -75,8 +81,22 @@ fn cut(shader: &Shader, function: &Function, id: ExprId) -> Option<Probe> {
     let text = shader.text_of(id).split_whitespace().collect::<Vec<_>>().join(" ");
     let (open, close) = if in_block { ("", "") } else { ("{ ", " }") };
     let mut edits = EditList::new();
-    edits.push(Edit::replace(function.return_type.span, ty.to_string()));
     edits.push(Edit::replace(function.name.span, NAME));
+    match shader.wgsl() {
+        None => edits.push(Edit::replace(function.return_type.span, ty)),
+        Some(module) => {
+            let is = |one: &&ModuleItem| matches!(one, ModuleItem::Function { item, .. } if *item == index);
+            let head = module.items.iter().find(is)?;
+            // An entry point becomes a function: values of the pipeline are parameters.
+            head.attributes().for_each(|a| edits.push(Edit::replace(a.span, " ".repeat(a.span.len()))));
+            match head {
+                ModuleItem::Function { returns: Some((_, written)), .. } => {
+                    edits.push(Edit::replace(written.span, ty));
+                }
+                _ => edits.push(Edit::insert(function.params_span.end, format!(" -> {ty}"))),
+            }
+        }
+    }
     for span in found.returns {
         let lines = "\n".repeat(shader.file().slice(span).matches('\n').count());
         let result = if span == stmt { format!("return {text};") } else { nothing.clone() };
@@ -88,7 +108,10 @@ fn cut(shader: &Shader, function: &Function, id: ExprId) -> Option<Probe> {
             edits.push(Edit::insert(stmt.end, close));
         }
     }
-    edits.push(Edit::insert(body.span.end.checked_sub(1)?, nothing));
+    // Statements behind a last `return` are an error in WGSL.
+    if !matches!(body.statements.last().map(|s| &s.kind), Some(StmtKind::Return(_))) {
+        edits.push(Edit::insert(body.span.end.checked_sub(1)?, nothing));
+    }
     let changed = edits.apply(shader.file().text()).ok()?;
     let file = SourceFile::new(shader.file().name(), changed.text);
     Some(Probe { file, stage: shader.stage(), function: NAME.to_owned() })

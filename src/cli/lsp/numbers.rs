@@ -3,10 +3,12 @@
 use std::fmt::Write as _;
 
 use engine::accuracy::{Accuracy, Worst, accuracy};
-use engine::fuzz::{Domain, subjects};
+use engine::fuzz::{Domain, subjects, subjects_of_module};
+use engine::suite::read_module;
 use engine::suite::run::DEFAULT_SEED;
 use judge::profile::by_name;
 use lsp::Probe;
+use program::Written;
 use syntax::Shader;
 
 /// What bounds are derived from: what every conforming device keeps.
@@ -20,8 +22,11 @@ const NAMED: f64 = 0.1;
 
 /// What is told about the result of a function; none where it cannot be run or nothing bounds it.
 pub(super) fn told(probe: &Probe) -> Option<String> {
-    let parsed = Shader::parse(&probe.file, probe.stage);
-    let all = subjects(&parsed.shader, &|name| name == probe.function).ok()?;
+    let wanted = |name: &str| name == probe.function;
+    let all = match Written::of(&probe.file) {
+        Written::Glsl => subjects(&Shader::parse(&probe.file, probe.stage).shader, &wanted).ok()?,
+        _ => subjects_of_module(&read_module(&probe.file).ok()?, &[], &wanted).ok()?,
+    };
     let [subject] = all.as_slice() else { return None };
     let ready = subject.ready.as_ref().ok()?;
     let (invocation, case) = (ready.kernel.invocation.fields(), ready.kernel.case.fields());

@@ -223,3 +223,33 @@ fn a_hover_tells_how_far_a_device_may_be_off_and_which_operation_loses_the_bits(
         assert!(text.contains("at worst, at `float x") && !text.contains("loses the bits"), "{text}");
     }
 }
+
+#[test]
+fn a_hover_tells_numbers_of_wgsl_and_of_entry_points() {
+    let folder = folder();
+    let text = "// shadercheck: x in [0.001, 1]\nfn lost(x: f32) -> f32 {\n  let near = 1.0 - cos(x);\n  return near;\n}\n\n\
+                @fragment\nfn tone(@location(0) uv: vec2<f32>) -> @location(0) vec4<f32> {\n  \
+                let half = uv * 0.5 + uv;\n  if (half.x > 0.5) {\n    return vec4<f32>(half, half);\n  }\n  \
+                return vec4<f32>(half, 0.0, 1.0);\n}\n\n\
+                @compute @workgroup_size(1)\nfn nothing() {\n  let kept = 2.0 * exp(0.5);\n}\n";
+    fs::write(folder.path().join("tone.wgsl"), text).unwrap();
+    let mut client = Client::new(folder.path());
+    client.open("tone.wgsl");
+    let mut hover = |line, column| {
+        let params = client.at("tone.wgsl", line, column);
+        let hover = client.ask("textDocument/hover", params).unwrap();
+        hover["contents"]["value"].as_str().unwrap_or("").to_owned()
+    };
+    let text = hover(2, 17);
+    assert!(text.contains("at worst, at `") && text.contains("`1.0 - cos(x)` (line 3) loses the bits"), "{text}");
+    assert!(hover(1, 4).contains("loses the bits"));
+    // Values of the pipeline are inputs as parameters are.
+    for (line, column) in [(8, 22), (10, 12)] {
+        let text = hover(line, column);
+        assert!(text.contains("at worst, at `") && !text.contains("loses the bits"), "{text}");
+    }
+    // The way out comes first, and a literal is no result.
+    let text = hover(17, 17);
+    assert!(text.contains("a conforming device"), "{text}");
+    assert!(!hover(17, 14).contains("a conforming device"));
+}
