@@ -81,6 +81,7 @@ impl Tape<'_> {
             let lost = self.lost_inside(kind);
             let height = self.arena.roundings.get(heights);
             let (size, peak, part) = (self.arena.size.get(at), self.arena.peak.get(at), self.arena.part.get(at));
+            let value = self.arena.value.get(at);
             let radius = self.arena.radius.get_mut(at);
             let flush = if self.model.flushes() { MIN_NORMAL } else { 0.0 };
             let mut own = [0.0; SLOTS];
@@ -93,6 +94,8 @@ impl Tape<'_> {
                     // over sums, also a part of a term, and its other factors come after.
                     let after = if part[slot] < MIN_NORMAL { size.max(peak) } else { size };
                     let flushed = (count + term) * flush * (1.0 + after);
+                    // One operation has one order: its result is rounded, whatever its terms are worth.
+                    let size = if count > 1.0 { size } else { value[slot].abs() + radius[slot] };
                     // γ_n = n·u/(1 − n·u); flushed terms keep their size.
                     let error = relative / (1.0 - relative).max(0.5) * size + flushed;
                     // The terms themselves may be too large, whatever their sum is.
