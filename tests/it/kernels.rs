@@ -233,7 +233,7 @@ const ON_LANES: [(&str, &str); 6] = [
 fn each_lane_passes_right_kernels_and_fails_wrong_twins() {
     let suites: Vec<String> = ON_LANES.iter().map(|(_, suite)| format!("shaders/kernels/{suite}")).collect();
     let suites = suites.join(" ");
-    let mut lanes = vec!["opengl", "vulkan-glslang"];
+    let mut lanes = vec!["vulkan", "opengl", "vulkan-glslang"];
     lanes.extend(webgpu::device("whole dispatches").map(|_| "webgpu"));
     // Dawn needs a driver that the others may do without.
     let run = |args: &str| Ran::from(webgpu::command(root(), args).output().unwrap());

@@ -1,8 +1,8 @@
-//! Whole dispatches of a compute stage: one for each invocation of a batch, with buffers of its own.
+//! Whole dispatches of a compute stage: one for each invocation of a batch, with buffers of its own and a canary behind each.
 
 use super::Job;
 use super::gpu::{Gpu, as_bytes};
-use crate::{Actual, LaneError, Marks, PATIENCE, Runner};
+use crate::{Actual, LaneError, Marks, PATIENCE, Runner, buffers};
 use base::value::Batch;
 use program::BoundBuffer;
 
@@ -40,7 +40,7 @@ impl DispatchRunner {
         }
         let limits = gpu.device.limits();
         let lies = limits.min_storage_buffer_offset_alignment.max(limits.min_uniform_buffer_offset_alignment).max(4);
-        let stride = |about: &BoundBuffer| (about.bytes as usize).next_multiple_of(lies as usize);
+        let stride = |about: &BoundBuffer| (4 * buffers::words(about)).next_multiple_of(lies as usize);
         let each: usize = all.iter().map(stride).sum();
         let largest = all.iter().map(stride).max().unwrap_or(1);
         let room = BYTES.min(usize::try_from(limits.max_buffer_size).unwrap_or(usize::MAX));
@@ -134,18 +134,11 @@ impl Slices {
         }
     }
 
-    /// What the buffers hold before.
-    fn before(&self, batch: &Batch, count: usize) -> Vec<u32> {
+    /// What the buffers hold before. What nothing feeds, and what lies behind each, holds the sentinel.
+    fn before(&self, batch: &Batch, count: usize, sentinel: u32) -> Vec<u32> {
         let mut words = vec![0; self.stride / 4 * count];
-        let (invocation, case) = (batch.invocation_record.words(), batch.case_record.words());
         for (k, own) in words.chunks_exact_mut(self.stride / 4).enumerate() {
-            let record = match self.about.uniform {
-                true => &batch.cases[k / batch.per_case * case..][..case],
-                false => &batch.invocations[k * invocation..][..invocation],
-            };
-            for place in &self.about.before {
-                own[place.byte as usize / 4] = record[place.word as usize];
-            }
+            buffers::before(&self.about, batch, k, sentinel, own);
         }
         words
     }
@@ -160,9 +153,10 @@ impl Runner for DispatchRunner {
         let count = self.count_of(batch, "dispatches")?;
         let gpu = self.gpu.clone();
         let api = |e: &dyn std::fmt::Display| LaneError::Api(e.to_string());
+        let marks = Marks::random();
         gpu.checked(|| {
             for slices in &self.buffers {
-                gpu.queue.write_buffer(&slices.buffer, 0, as_bytes(&slices.before(batch, count)));
+                gpu.queue.write_buffer(&slices.buffer, 0, as_bytes(&slices.before(batch, count, marks.sentinel)));
             }
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             for groups in &self.bound[..count] {
@@ -202,7 +196,6 @@ impl Runner for DispatchRunner {
             for _ in 0..asked {
                 receive.recv().map_err(|e| api(&e))?.map_err(|e| api(&e))?;
             }
-            let marks = Marks::random();
             let (layout, size) = (&self.job.output, self.job.output.words());
             let mut words = vec![marks.sentinel; size * count];
             for (k, record) in words.chunks_exact_mut(size).enumerate() {
@@ -217,9 +210,7 @@ impl Runner for DispatchRunner {
                     let mut found = vec![0_u32; view.len() / 4];
                     bytemuck::cast_slice_mut(&mut found).copy_from_slice(&view);
                     for (own, record) in found.chunks_exact(slices.stride / 4).zip(words.chunks_exact_mut(size)) {
-                        for place in &slices.about.after {
-                            record[layout.header_words() + place.word as usize] = own[place.byte as usize / 4];
-                        }
+                        buffers::after(&slices.about, own, marks.sentinel, &mut record[layout.header_words()..])?;
                     }
                 }
                 readback.unmap();
