@@ -8,6 +8,7 @@ use super::domain::{Adversary, Column};
 
 impl InMemory for Adversary {
     type Cell = f32;
+    type Sum = ();
 
     fn cell(bits: u32) -> f32 {
         f32::from_bits(bits)
@@ -31,7 +32,7 @@ impl InMemory for Adversary {
         });
     }
 
-    fn combined(op: RealCombine, old: f32, value: f32) -> f32 {
-        <Binary32 as InMemory>::combined(op, old, value)
+    fn combined(&self, op: RealCombine, old: f32, value: f32, sum: &mut ()) -> f32 {
+        Binary32::default().combined(op, old, value, sum)
     }
 }

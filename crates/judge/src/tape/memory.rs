@@ -7,7 +7,9 @@
 use program::interp::group::{InMemory, RealCombine};
 use program::interp::{Mask, SLOTS, Site};
 
+use super::model::{BINARY64, Model};
 use super::{Column, Tape};
+use crate::profile::grid::{MAX_FINITE, MIN_NORMAL};
 
 /// A number in memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,8 +20,42 @@ pub struct Cell {
     pub radius: f64,
 }
 
+/// What atomic functions added to a word, in any order: no partial sum is larger than all sizes together, and each rounds
+/// once.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sum {
+    /// Numbers that were added.
+    terms: u32,
+    /// Sizes of the first value and of all terms, with their radii.
+    size: f64,
+    /// Radii of these.
+    off: f64,
+}
+
+impl Sum {
+    /// Adds a term to what lies in memory. Gives how far the sum of any order may be from the exact one: n·u/(1 − n·u) of
+    /// all sizes for n roundings by u, and what is flushed of each argument and result (Higham, Accuracy and Stability of
+    /// Numerical Algorithms, chapter 4).
+    fn radius(&mut self, model: &Model<'_>, old: Cell, value: Cell) -> f64 {
+        if self.terms == 0 {
+            (self.size, self.off) = (old.value.abs() + old.radius, old.radius);
+        }
+        self.terms = self.terms.saturating_add(1);
+        self.size += value.value.abs() + value.radius;
+        self.off += value.radius;
+        let terms = f64::from(self.terms);
+        // Binary64 adds the exact sum.
+        let relative = terms * (model.unit() + BINARY64);
+        let flushed = if model.flushes() { 2.0 * (terms + 1.0) * MIN_NORMAL } else { 0.0 };
+        let own = relative / (1.0 - relative).max(0.5) * self.size + flushed;
+        // A partial sum may be too large, whatever the whole is.
+        if self.size + own > MAX_FINITE || relative > 0.5 { f64::INFINITY } else { self.off + own }
+    }
+}
+
 impl InMemory for Tape<'_> {
     type Cell = Cell;
+    type Sum = Sum;
 
     fn cell(bits: u32) -> Cell {
         Cell { value: f64::from(f32::from_bits(bits)), radius: 0.0 }
@@ -51,17 +87,20 @@ impl InMemory for Tape<'_> {
         self.hold(to, id);
     }
 
-    /// Sums by atomic functions come in any order, and nothing is known of what that does to them.
-    fn combined(op: RealCombine, old: Cell, value: Cell) -> Cell {
+    fn combined(&self, op: RealCombine, old: Cell, value: Cell, sum: &mut Sum) -> Cell {
         let (a, b) = (old.value, value.value);
         let most = old.radius.max(value.radius);
         match op {
-            RealCombine::Add => Cell { value: a + b, radius: f64::INFINITY },
-            RealCombine::Subtract => Cell { value: a - b, radius: f64::INFINITY },
+            RealCombine::Add => Cell { value: a + b, radius: sum.radius(&self.model, old, value) },
+            RealCombine::Subtract => Cell { value: a - b, radius: sum.radius(&self.model, old, value) },
             RealCombine::Min => Cell { value: a.min(b), radius: most },
             RealCombine::Max => Cell { value: a.max(b), radius: most },
             RealCombine::Exchange => value,
         }
+    }
+
+    fn passing(cell: Cell) -> Cell {
+        Cell { radius: f64::INFINITY, ..cell }
     }
 
     fn doubted(&self, slot: usize) -> Option<Site> {

@@ -22,8 +22,16 @@ pub trait InMemory: Domain {
     /// Puts numbers from memory into the slots of `mask`, and leaves the others.
     fn put(&mut self, mask: &Mask, cells: &[Self::Cell; SLOTS], to: &mut Self::Column);
 
-    /// What an atomic function on real numbers leaves in memory.
-    fn combined(op: RealCombine, old: Self::Cell, value: Self::Cell) -> Self::Cell;
+    /// What is remembered of the numbers that atomic functions added to a word since it was last stored.
+    type Sum: Copy + Default + Send + Sync + std::fmt::Debug;
+
+    /// What an atomic function on real numbers leaves in memory, in whatever order its invocations come.
+    fn combined(&self, op: RealCombine, old: Self::Cell, value: Self::Cell, sum: &mut Self::Sum) -> Self::Cell;
+
+    /// What an invocation sees of a word while others may still add to it.
+    fn passing(cell: Self::Cell) -> Self::Cell {
+        cell
+    }
 
     /// The first decision of a slot since it began that could have gone the other way; none for a domain that does not look.
     fn doubted(&self, slot: usize) -> Option<Site> {
@@ -71,6 +79,7 @@ where
     Self: Domain<Column = Column<N>>,
 {
     type Cell = N;
+    type Sum = ();
 
     #[inline]
     fn cell(bits: u32) -> N {
@@ -93,7 +102,7 @@ where
         mask.each(|slot| values[slot] = cells[slot]);
     }
 
-    fn combined(op: RealCombine, old: N, value: N) -> N {
+    fn combined(&self, op: RealCombine, old: N, value: N, (): &mut ()) -> N {
         let (a, b) = (old.widen(), value.widen());
         N::nearest(match op {
             RealCombine::Add => a + b,

@@ -53,7 +53,8 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
                 match to.file() {
                     File::Real => {
                         if let Some(word) = word {
-                            cells[reals][slot] = contents.real(word);
+                            cells[reals][slot] =
+                                if access.atomic { contents.passing(word) } else { contents.real(word) };
                         }
                         reals += 1;
                     }
@@ -166,9 +167,10 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
             File::Word => machine.words[register.reg as usize][slot],
         };
         let old = word.map_or(0, |word| self.contents[memory].bits(word));
-        let old_real = word.map_or(D::cell(0), |word| self.contents[memory].real(word));
         let argument = bits(value);
         let expected = compare.map(|reg| bits(Register { reg, ..value }));
+        // Any other invocation may have been here before.
+        let old_real = word.map_or(D::cell(0), |word| D::passing(self.contents[memory].real(word)));
         let hit = expected.is_none_or(|expected| expected == old);
         let sum = (value.file() == File::Real).then(|| op.of_reals().map(|sum| (sum, real(value.reg)))).flatten();
         if let Some(word) = word {
@@ -177,7 +179,7 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
             let open = self.contents[memory].is_open(word) || self.is_open(memory, k, slot);
             match sum {
                 Some((sum, own)) if hit => {
-                    self.contents[memory].set_real(word, D::combined(sum, old_real, own), open);
+                    self.contents[memory].combine(&self.machines[k].domain, sum, (word, own), open);
                 }
                 _ => {
                     let new = if hit { combine(op, value.scalar, old, argument) } else { old };

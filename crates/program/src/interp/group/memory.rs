@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::super::domain::Site;
-use super::cells::InMemory;
+use super::cells::{InMemory, RealCombine};
 use super::shape::{MemoryShape, Space};
 
 /// Something that is wrong with how invocations use memory or wait for each other.
@@ -104,6 +104,8 @@ pub(super) struct Contents<D: InMemory> {
     history: Vec<History>,
     /// Words of which nothing is known, for a decision before them could have gone the other way.
     open: Vec<bool>,
+    /// Words that atomic functions on real numbers added to since they were last stored.
+    sums: HashMap<usize, D::Sum>,
     /// Elements of the array at its end.
     pub elements: u32,
     /// Words up to the last one that was touched.
@@ -120,6 +122,7 @@ impl<D: InMemory> Contents<D> {
             written: vec![written; len],
             history: vec![History::default(); if watched { len } else { 0 }],
             open: vec![false; len],
+            sums: HashMap::new(),
             elements,
             reach: 0,
         }
@@ -146,15 +149,48 @@ impl<D: InMemory> Contents<D> {
     }
 
     pub(super) fn set_bits(&mut self, word: usize, bits: u32, open: bool) {
+        self.stored(word);
         self.bits[word] = bits;
         self.reals[word] = D::cell(bits);
         (self.written[word], self.open[word]) = (true, open);
     }
 
     pub(super) fn set_real(&mut self, word: usize, value: D::Cell, open: bool) {
+        self.stored(word);
+        self.hold(word, value, open);
+    }
+
+    fn hold(&mut self, word: usize, value: D::Cell, open: bool) {
         self.bits[word] = D::bits(value);
         self.reals[word] = value;
         (self.written[word], self.open[word]) = (true, open);
+    }
+
+    /// A sum begins anew.
+    fn stored(&mut self, word: usize) {
+        if !self.sums.is_empty() {
+            self.sums.remove(&word);
+        }
+    }
+
+    /// An atomic function on real numbers.
+    pub(super) fn combine(&mut self, domain: &D, op: RealCombine, (word, value): (usize, D::Cell), open: bool) {
+        let old = self.reals[word];
+        let new = match op {
+            RealCombine::Add | RealCombine::Subtract => {
+                domain.combined(op, old, value, self.sums.entry(word).or_default())
+            }
+            RealCombine::Min | RealCombine::Max | RealCombine::Exchange => {
+                self.stored(word);
+                domain.combined(op, old, value, &mut D::Sum::default())
+            }
+        };
+        self.hold(word, new, open);
+    }
+
+    /// What an atomic function reads of a word.
+    pub(super) fn passing(&self, word: usize) -> D::Cell {
+        if self.sums.contains_key(&word) { D::passing(self.reals[word]) } else { self.reals[word] }
     }
 
     /// Nothing is known of any word from now on.
