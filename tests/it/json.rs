@@ -52,6 +52,7 @@ fn reports_follow_the_schema() {
         ("check sphere --shader fixtures/alarms/sphere_nan.vert --samples 64 --lane embedded", 1),
         ("check sphere --shader fixtures/alarms/sphere_syntax.vert --samples 64", 1),
         ("check hair --shader fixtures/alarms/hair_few.geom --samples 64", 1),
+        ("check shaders/kernels/sum.suite.toml[N=70001] --lane embedded", 0),
         ("check fixtures/alarms/floor.suite.toml --samples 64", 1),
     ] {
         let report = run(&format!("{args} --format json")).expect(status).json();

@@ -39,7 +39,7 @@ pub use expectations::{Movement, movement, shader_deviation};
 pub use fence::{Fence, Fenced};
 pub use judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees};
 pub use limits::{Limiter, Limits, Meant, Roundoff, Wanted};
-pub use observe::{meaning, observe};
+pub use observe::{meaning, meaning_whole, observe, observe_whole};
 pub use oracle::{JudgeContext, Oracle};
 pub use reference::{Expected, Given, GivenRule, MEANING, Recorded, RecordedRow, Reference, ReferenceError};
 pub use rounded::{Literals, Rounded};
@@ -51,5 +51,5 @@ pub use translation::{CompareError, Comparison, Difference, TranslationDeviation
 pub use undefined::dependences;
 pub use unlike::unlike;
 pub use used::{Used, used};
-pub use whole::{judge_whole, work_of_whole};
+pub use whole::{Work, judge_whole, work_of_whole};
 pub use whole_survey::WholeSurvey;

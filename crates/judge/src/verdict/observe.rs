@@ -4,9 +4,10 @@ use super::judge::real;
 use super::oracle::JudgeContext;
 use super::parallel::parts;
 use crate::profile::Promises;
-use crate::tape::{Model, Tape};
-use base::value::Batch;
-use program::interp::{Machine, Number, OutputColumn, SLOTS};
+use crate::tape::{Cell, Model, Tape};
+use base::value::{Batch, Scalar};
+use program::interp::group::Ran;
+use program::interp::{InterpError, Machine, Number, OutputColumn, SLOTS};
 use program::lane::{Actual, Api, Stage};
 use property::Observed;
 
@@ -71,6 +72,56 @@ pub fn meaning(context: &JudgeContext<'_>, batch: &Batch) -> Vec<Observed> {
         },
     );
     chunks.into_iter().flatten().collect()
+}
+
+/// What [`observe`] gives of large dispatches: how far a word may be off is the radius that goes with it through memory.
+///
+/// # Errors
+/// [`InterpError`] for what is no large dispatch.
+pub fn observe_whole(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) -> Result<Vec<Observed>, InterpError> {
+    let one = |invocation| {
+        let ran = context.oracle.authored_whole(context.lenient(), batch, invocation)?;
+        let words = actual.vertex(invocation, 0);
+        let absent = actual.is_absent(invocation);
+        let value = |word: usize, scalar| if absent { f64::NAN } else { real(words[word], scalar) };
+        Ok(of_words(context, &ran, |word, scalar| (value(word, scalar), absent)))
+    };
+    (0..batch.invocation_count()).map(one).collect()
+}
+
+/// What [`meaning`] gives of large dispatches.
+///
+/// # Errors
+/// [`InterpError`] for what is no large dispatch.
+pub fn meaning_whole(context: &JudgeContext<'_>, batch: &Batch) -> Result<Vec<Observed>, InterpError> {
+    let one = |invocation| {
+        let ran = context.oracle.ideal_device_whole(strict(), batch, invocation)?;
+        Ok(of_words(context, &ran, |word, scalar| match scalar {
+            Scalar::F32 => (ran.cells[word].value, false),
+            scalar => (real(ran.words[word], scalar), false),
+        }))
+    };
+    (0..batch.invocation_count()).map(one).collect()
+}
+
+/// The outputs of a large dispatch. `value` gives a word with whether nothing is known of it.
+fn of_words(context: &JudgeContext<'_>, ran: &Ran<Cell>, value: impl Fn(usize, Scalar) -> (f64, bool)) -> Observed {
+    let mut observed = Observed { vertices: 1, words: Vec::new(), slack: Vec::new() };
+    for output in &context.reference.seen {
+        for word in output.actual.clone() {
+            let (seen, unknown) = value(word, output.scalar);
+            let Cell { value, radius } = ran.cells[word];
+            let open = unknown || ran.open[word] || !ran.whole;
+            observed.words.push(seen);
+            observed.slack.push(match output.scalar {
+                _ if open => f64::INFINITY,
+                Scalar::F32 if !value.is_finite() => f64::INFINITY,
+                Scalar::F32 => radius,
+                _ => 0.0,
+            });
+        }
+    }
+    observed
 }
 
 /// A device without an error of its own.

@@ -173,8 +173,7 @@ impl Oracle {
     /// # Errors
     /// As of [`Executable::run_whole`].
     pub(super) fn ideal_whole(&self, batch: &Batch, invocation: usize) -> Result<Ran<Cell>, InterpError> {
-        let tape = || Tape::new(Model::Binary64).with_literals(&self.literals).with_radii();
-        self.executable.run_whole(batch, invocation, 0, tape)
+        self.radii((Model::Binary64, &self.literals), batch, invocation)
     }
 
     /// The same with how far a device may be from it.
@@ -182,7 +181,42 @@ impl Oracle {
     /// # Errors
     /// As of [`Executable::run_whole`].
     pub(super) fn whole(&self, model: Model<'_>, batch: &Batch, invocation: usize) -> Result<Ran<Cell>, InterpError> {
-        let tape = || Tape::new(model).with_literals(&self.folded).with_radii();
+        self.radii((model, &self.folded), batch, invocation)
+    }
+
+    /// The same, where the rounding of a literal counts as an error of its own: what [`Oracle::authored_tape`] is.
+    ///
+    /// # Errors
+    /// As of [`Executable::run_whole`].
+    pub(super) fn authored_whole(
+        &self,
+        model: Model<'_>,
+        batch: &Batch,
+        invocation: usize,
+    ) -> Result<Ran<Cell>, InterpError> {
+        self.radii((model, &self.rounded), batch, invocation)
+    }
+
+    /// The same for a device that had the literals exactly: what [`Oracle::ideal_device_tape`] is.
+    ///
+    /// # Errors
+    /// As of [`Executable::run_whole`].
+    pub(super) fn ideal_device_whole(
+        &self,
+        model: Model<'_>,
+        batch: &Batch,
+        invocation: usize,
+    ) -> Result<Ran<Cell>, InterpError> {
+        self.radii((model, &self.literals), batch, invocation)
+    }
+
+    fn radii(
+        &self,
+        (model, literals): (Model<'_>, &[Option<Literal>]),
+        batch: &Batch,
+        invocation: usize,
+    ) -> Result<Ran<Cell>, InterpError> {
+        let tape = || Tape::new(model).with_literals(literals).with_radii();
         self.executable.run_whole(batch, invocation, 0, tape)
     }
 

@@ -41,13 +41,22 @@ pub fn judge_whole(
     Ok(all)
 }
 
-/// How much work it is to judge an invocation that is a large dispatch: rounds of loops of the shader and of its reference.
+/// How much work a large dispatch is, in rounds of loops.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Work {
+    /// Of the shader.
+    pub shader: u64,
+    /// Of its reference; 0 where that is no shader.
+    pub reference: u64,
+}
+
+/// How much work it is to run an invocation that is a large dispatch, and its reference.
 ///
 /// # Errors
 /// [`InterpError`] for what is no large dispatch.
-pub fn work_of_whole(context: &JudgeContext<'_>, batch: &Batch, invocation: usize) -> Result<u64, InterpError> {
-    let own = context.oracle.plain_whole(batch, invocation)?.rounds;
-    Ok(own + context.reference.rounds_of_whole(batch, invocation)?)
+pub fn work_of_whole(context: &JudgeContext<'_>, batch: &Batch, invocation: usize) -> Result<Work, InterpError> {
+    let shader = context.oracle.plain_whole(batch, invocation)?.rounds;
+    Ok(Work { shader, reference: context.reference.rounds_of_whole(batch, invocation)? })
 }
 
 /// The verdict on one dispatch, with the largest error of a word that is right.

@@ -4,7 +4,8 @@ use serde_json::{Value, json};
 
 use super::Format;
 use engine::suite::run::{
-    Case, Doubtful, Entry, Expectation, Finding, LaneUsed, Outcome, Repeated, RunError, Standing, Status, Summary,
+    Budget, Case, Doubtful, Entry, Expectation, Finding, LaneUsed, Outcome, Repeated, RunError, Standing, Status,
+    Summary,
 };
 use judge::verdict::diagnosis::{Diagnosis, Origin, Place, Stand, Witness};
 use judge::verdict::{Promise, Reason};
@@ -136,6 +137,15 @@ fn entry(entry: &Entry) -> Value {
             value["known"] = report.known.iter().map(|k| known(finding(&k.finding), &k.expectation)).collect();
             if let Some(Repeated { samples, different }) = report.repeated {
                 value["repeated"] = json!({"samples": samples, "different": different});
+            }
+            if let Some(Budget { asked, samples, rounds, limit, related }) = &report.budget {
+                value["budget"] = json!({
+                    "asked": asked,
+                    "samples": samples,
+                    "rounds": rounds,
+                    "limit": limit,
+                    "related": related,
+                });
             }
         }
         Outcome::Refused(RunError::Shader { diagnostics, .. }) => {

@@ -83,6 +83,9 @@ pub(super) fn of_suites(summary: &Summary) -> String {
         if let Some(apart) = report.apart.as_ref().filter(|apart| apart.different > 0) {
             notes.plain(report, differs(apart));
         }
+        if let Some(budget) = &report.budget {
+            notes.plain(report, budget.to_string());
+        }
         report.textures.iter().for_each(|texture| notes.plain(report, format!("texture {texture}")));
         // A few more samples of the same inputs are in doubt for the same reasons.
         let few = matches!(report.source, Some(InputSource::Constants | InputSource::Uniforms));

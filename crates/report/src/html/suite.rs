@@ -317,6 +317,7 @@ fn details(report: &Report) -> Markup {
                 table { tbody { @for translated in &report.translations { (translation(translated)) } } }
             }
         }
+        @if let Some(budget) = &report.budget { p.quiet { (display(budget)) } }
         @if let Some(coverage) = &report.coverage { p.quiet { (display(coverage)) } }
         @for texture in &report.textures { p.quiet { "Texture " (texture) } }
     }

@@ -3,14 +3,20 @@
 //! What goes wrong at a large size alone is told with the word at which it shows. Nothing is shrunk: the other sizes of the
 //! suite are smaller.
 
+mod budget;
+mod laws;
+
 use std::ops::ControlFlow;
+
+pub use budget::Budget;
+use laws::Laws;
 
 use super::finding::{self, Finding, FindingKind};
 use super::part::{Counted, Part, Terms};
 use super::sampling::Sampled;
-use super::{Prepared, Request, Share};
+use super::{Prepared, Request, Share, relate};
 use base::value::Batch;
-use judge::verdict::{JudgeContext, WholeSurvey, judge_whole, work_of_whole};
+use judge::verdict::{JudgeContext, WholeSurvey, judge_whole};
 use lanes::{Lane, LaneError, Stage, interrupt};
 use program::Kernel;
 use program::interp::InterpError;
@@ -18,24 +24,6 @@ use property::{Sample, Sampler};
 
 /// Samples whose bounds are surveyed.
 const SURVEYED: u64 = 4;
-
-/// Rounds of loops of all samples together, unless a number of samples is asked for.
-const ROUNDS: u64 = 1 << 20;
-
-/// Samples of a run: as many as the suite says, or fewer where they would take long.
-fn samples(
-    context: &JudgeContext<'_>,
-    (prepared, sampler): (&Prepared, &Sampler),
-    request: &Request,
-    wanted: u64,
-) -> Result<u64, LaneError> {
-    if request.samples.is_some() || request.replay_only || wanted < 2 {
-        return Ok(wanted);
-    }
-    let work = work_of_whole(context, &sampler.batch(0, 1, 1), 0);
-    let work = work.map_err(|error| LaneError::Unsupported(error.locate(&prepared.program)))?;
-    Ok(wanted.min((ROUNDS / work.max(1)).max(1)))
-}
 
 /// Runs a part of the samples, and those that failed before.
 pub(super) fn run(
@@ -52,7 +40,8 @@ pub(super) fn run(
     let (oracle, reference) = (prepared.oracle_of(lane), &prepared.reference);
     let context = JudgeContext { oracle, reference, promises: &request.promises, stage };
     let sampler = Sampler::new(prepared.plan.clone(), request.seed);
-    let wanted = samples(&context, (prepared, &sampler), request, wanted)?;
+    let budget = Budget::of(&context, (prepared, &|| sampler.batch(0, 1, 1)), request, wanted)?;
+    let wanted = budget.samples;
     let once = share.shard.is_first();
     let suite = &prepared.suite;
     let given: Vec<Sample> = match once {
@@ -101,6 +90,14 @@ pub(super) fn run(
     if sampled.next < range.end && !share.partial {
         return Ok(None);
     }
+    if once && !interrupt::asked() && !prepared.relations.is_empty() {
+        let mut related = request.replay.clone();
+        if !request.replay_only {
+            related.extend(relate::samples(prepared, request.seed, budget.related));
+        }
+        Laws { prepared, context, runner: &mut *runner }.check(&related, request, &mut part)?;
+    }
+    part.budget = (once && !request.replay_only && makes_samples).then_some(budget);
     sampled.counted.survey = sampled.counted.survey.take().or(survey.read(&context, &kernel.output.vertex));
     if let Some((number, deviation)) = &sampled.counted.deviation {
         part.findings.push(Finding {

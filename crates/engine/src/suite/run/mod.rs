@@ -43,6 +43,7 @@ pub use doubts::Doubtful;
 pub use edges::{Asked, Reach, of as edges_of};
 pub use finding::{Case, Finding, FindingKind};
 pub use gallery::{Axis, Cell, Errors, Gallery, LARGEST, Promised, SMALLEST, Scene, State, Worst, gallery, promised};
+pub use large::Budget;
 pub use part::Part;
 pub use prepare::{Prepared, RunError, of_module, prepare, prepare_with};
 pub use relate::Probes;
@@ -130,6 +131,8 @@ pub struct Report {
     pub translations: Vec<Translated>,
     /// What came of running the first samples twice; `None` where that was not done.
     pub repeated: Option<Repeated>,
+    /// How much of the suite a run does whose dispatches are large; `None` for others.
+    pub budget: Option<Budget>,
     /// How tight the bounds are, for a run on generated samples.
     pub survey: Option<Survey>,
     /// What is wrong, worst first; warnings last.

@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::finding::{self, Finding};
 use super::{
-    Apart, Coverage, Doubtful, Prepared, Reach, Repeated, Report, Request, Translated, Way, doubts, repeat, survey,
+    Apart, Budget, Coverage, Doubtful, Prepared, Reach, Repeated, Report, Request, Translated, Way, doubts, repeat,
+    survey,
 };
 use judge::verdict::{BatchVerdict, Deviation, Reason, Survey};
 use lanes::{Actual, LaneName, Stage};
@@ -45,6 +46,8 @@ pub struct Part {
     pub(super) reach: Option<Reach>,
     pub(super) translations: Vec<Translated>,
     pub(super) repeated: Option<Repeated>,
+    #[serde(default)]
+    pub(super) budget: Option<Budget>,
     pub(super) findings: Vec<Finding>,
     /// Failing samples, shrunk.
     shown: Vec<Shown>,
@@ -236,6 +239,7 @@ impl Part {
             reach: None,
             translations: Vec::new(),
             repeated: None,
+            budget: None,
             findings: Vec::new(),
             shown: Vec::new(),
             undefined: Vec::new(),
@@ -289,7 +293,7 @@ impl Part {
 
     /// Adds another part. The result does not depend on the order in which parts are joined.
     pub fn join(&mut self, other: Self) {
-        let Self { counted, unsupported, replayed, relations, coverage, translations, findings, .. } = other;
+        let Self { counted, unsupported, replayed, relations, coverage, translations, findings, budget, .. } = other;
         let Self { shown, undefined, terms, failing, repeated, unsupported_because, reach, rounded, reread, .. } =
             other;
         self.rounded.extend(rounded);
@@ -305,6 +309,7 @@ impl Part {
         self.reach = self.reach.take().or(reach);
         self.translations.extend(translations);
         self.repeated = self.repeated.or(repeated);
+        self.budget = self.budget.take().or(budget);
         self.findings.extend(findings);
         self.failing.extend(failing);
         self.shown.extend(shown);
@@ -368,6 +373,7 @@ impl Part {
             reach: self.reach,
             translations,
             repeated: self.repeated,
+            budget: self.budget,
             survey,
             findings,
             known: Vec::new(),

@@ -52,13 +52,7 @@ pub fn check(trial: &mut Trial<'_>, request: &Request, many: u64, part: &mut Par
             .collect();
         // A handful of samples may well miss what a relation is about.
         if checked == 0 && !request.replay_only && many >= QUICK_SAMPLES {
-            part.findings.push(Finding {
-                kind: FindingKind::Vacuous,
-                message: format!("the relation `{}` applied to none of {} samples", relation.name(), samples.len()),
-                case: None,
-                count: 0,
-                reproduce: None,
-            });
+            part.findings.push(vacuous(relation, samples.len()));
         }
         if !failing.is_empty() {
             fail(trial, relation, failing, request, part)?;
@@ -137,7 +131,7 @@ pub(super) fn samples(prepared: &Prepared, seed: u64, count: u64) -> Vec<Sample>
 }
 
 /// What a relation says of a sample.
-enum Outcome {
+pub(super) enum Outcome {
     /// It says nothing here: it does not apply, or an output that it needs has no value.
     Silent,
     Holds,
@@ -269,20 +263,21 @@ fn as_meant(relation: &dyn Relation, inputs: &[Vec<Sample>], observed: Vec<Vec<O
     all
 }
 
-fn judge(relation: &dyn Relation, inputs: &[Sample], outputs: &[Observed]) -> Outcome {
+/// What a relation says of the outputs of its inputs.
+pub(super) fn judge(relation: &dyn Relation, inputs: &[Sample], outputs: &[Observed]) -> Outcome {
     let mut claims = Vec::new();
     if !inputs.is_empty() {
         relation.claims(inputs, outputs, &mut claims);
     }
     // An output without value, or one that the inputs' rounding decides.
     let blind = outputs.iter().any(|o| o.slack.iter().any(|s| s.is_infinite()));
+    // Outputs may be exact; the relation computes with them in binary64, which is not.
+    let size = outputs.iter().flat_map(|o| &o.words).fold(0.0_f64, |m, w| m.max(w.abs()));
     let mut outcome = Outcome::Silent;
     for claim in claims {
         if blind && !claim.slack.is_finite() {
             continue;
         }
-        // Outputs may be exact; the relation computes with them in binary64, which is not.
-        let size = outputs.iter().flat_map(|o| &o.words).fold(0.0_f64, |m, w| m.max(w.abs()));
         // Written so that a NaN anywhere does not hold.
         if (claim.left - claim.right).abs() <= claim.slack + ROUNDING * size {
             outcome = Outcome::Holds;
@@ -291,6 +286,30 @@ fn judge(relation: &dyn Relation, inputs: &[Sample], outputs: &[Observed]) -> Ou
         }
     }
     outcome
+}
+
+/// That a relation does not hold, as a sentence without a full stop.
+pub(super) fn broken(relation: &dyn Relation, claim: &Claim) -> String {
+    format!(
+        "the relation `{}` does not hold: {}; {} is {:?} on one side and {:?} on the other, ± {:.1e}",
+        relation.name(),
+        relation.statement(),
+        claim.what,
+        claim.left,
+        claim.right,
+        claim.slack
+    )
+}
+
+/// The finding about a relation that applies to none of the samples on which it was checked.
+pub(super) fn vacuous(relation: &dyn Relation, samples: usize) -> Finding {
+    Finding {
+        kind: FindingKind::Vacuous,
+        message: format!("the relation `{}` applied to none of {samples} samples", relation.name()),
+        case: None,
+        count: 0,
+        reproduce: None,
+    }
 }
 
 /// Whether the lane errs by place in batches like those in which relations run.
@@ -366,15 +385,7 @@ fn fail(
     };
     part.findings.push(Finding {
         kind: FindingKind::Relation,
-        message: format!(
-            "the relation `{}` does not hold: {}; {} is {:?} on one side and {:?} on the other, ± {:.1e}",
-            relation.name(),
-            relation.statement(),
-            claim.what,
-            claim.left,
-            claim.right,
-            claim.slack
-        ),
+        message: broken(relation, &claim),
         count,
         reproduce: Some(finding::reproduce(request, part.on(), &simplest.sample)),
         case: Some(finding::Case { diagnosis, ..finding::case(&trial.prepared.program, &simplest, None) }),
