@@ -45,7 +45,7 @@ pub use reference::{Expected, Given, GivenRule, MEANING, Recorded, RecordedRow, 
 pub use rounded::{Literals, Rounded};
 pub use rounding::{Effect, effects};
 pub use rounds::{ENDLESS, Rounds};
-pub use survey::{Survey, survey};
+pub use survey::{OfSample, Survey, survey};
 pub use tightness::{Tightness, VariableTightness, Worst};
 pub use translation::{CompareError, Comparison, Difference, TranslationDeviation, Translations, Unread};
 pub use undefined::dependences;

@@ -288,6 +288,14 @@ impl<'a> JudgeContext<'a> {
         Some(Model::Device { profile, stage: self.stage, rearranged: profile.rearrangement })
     }
 
+    /// The tightest bounds there are, for the order in which sums and products are written.
+    pub(super) fn as_written(&self) -> Model<'a> {
+        match self.measured().unwrap_or(self.lenient()) {
+            Model::Device { profile, stage, .. } => Model::Device { profile, stage, rearranged: false },
+            Model::Binary64 => Model::Binary64,
+        }
+    }
+
     /// The most that any promise allows.
     pub(super) fn lenient(&self) -> Model<'a> {
         let profile = self.promises.conformance.unwrap_or(self.promises.text);

@@ -29,6 +29,24 @@ pub struct Survey {
     pub beyond: u64,
     /// The word of these that is farthest beyond the measured bound, in multiples of it.
     pub worst_beyond: Option<Worst>,
+    /// Of large dispatches, the tightest bounds again for the order in which sums and products are written, whether or not
+    /// the API holds a device to it.
+    #[serde(default)]
+    pub as_written: Option<Tightness>,
+    /// Of large dispatches, how tight the bounds of each are.
+    #[serde(default)]
+    pub by_sample: Vec<OfSample>,
+}
+
+/// How tight the bounds of one large dispatch are: [`Tightness::median_over_largest`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct OfSample {
+    /// By the tightest profile there is; for any order of sums and products where it leaves that open.
+    #[serde(with = "base::value::exact::option")]
+    pub allowed: Option<f64>,
+    /// For the order written.
+    #[serde(with = "base::value::exact::option")]
+    pub as_written: Option<f64>,
 }
 
 impl Survey {
@@ -63,6 +81,8 @@ pub fn survey(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual, most: 
         measured: promises.measured.as_ref().map(|profile| measured.read(&profile.name, record)),
         beyond,
         worst_beyond,
+        as_written: None,
+        by_sample: Vec::new(),
     }
 }
 

@@ -117,7 +117,7 @@ impl Word {
 }
 
 /// Words whose bounds are alike.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Binade {
     words: u64,
     /// Largest error ÷ bound.
@@ -125,7 +125,7 @@ struct Binade {
 }
 
 /// Bounds and errors as they are gathered.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Gauge {
     words: u64,
     worst: Option<Worst>,

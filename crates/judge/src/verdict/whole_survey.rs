@@ -2,7 +2,7 @@
 
 use super::judge::agrees;
 use super::oracle::JudgeContext;
-use super::survey::Survey;
+use super::survey::{OfSample, Survey};
 use super::tightness::{Gauge, Word, Worst, keep_worse};
 use crate::profile::grid::MIN_NORMAL;
 use crate::tape::Model;
@@ -15,7 +15,8 @@ use program::lane::Actual;
 pub struct WholeSurvey {
     promise: Gauge,
     measured: Gauge,
-    invocations: u64,
+    as_written: Gauge,
+    by_sample: Vec<OfSample>,
     beyond: u64,
     worst_beyond: Option<Worst>,
 }
@@ -27,28 +28,42 @@ impl WholeSurvey {
     /// # Errors
     /// [`InterpError`] for what is no large dispatch.
     pub fn see(&mut self, context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) -> Result<(), InterpError> {
-        let broken = gauge(&mut self.promise, context, context.lenient(), batch, actual)?;
+        let record = &actual.layout().vertex;
+        // Figures of one dispatch say more than those of some: where terms cancel, errors and bounds differ by magnitudes.
+        let own = |all: &mut Gauge, model: Model<'_>| -> Result<(Option<Worst>, Option<f64>), InterpError> {
+            let mut one = Gauge::default();
+            let beyond = gauge(&mut one, context, model, batch, actual)?;
+            all.merge(one.clone());
+            Ok((beyond, one.read("", record).median_over_largest()))
+        };
+        let (broken, mut allowed) = own(&mut self.promise, context.lenient())?;
         if let Some(model) = context.measured() {
-            let beyond = gauge(&mut self.measured, context, model, batch, actual)?;
+            let (beyond, measured) = own(&mut self.measured, model)?;
+            allowed = measured;
             // A word beyond its promise makes the dispatch a deviation, whatever the others are.
             if broken.is_none() && beyond.is_some() {
                 self.beyond += 1;
                 keep_worse(&mut self.worst_beyond, beyond);
             }
         }
-        self.invocations += 1;
+        let (_, as_written) = own(&mut self.as_written, context.as_written())?;
+        self.by_sample.push(OfSample { allowed, as_written });
         Ok(())
     }
 
     /// The figures; `None` where nothing was looked at.
     pub fn read(self, context: &JudgeContext<'_>, record: &Record) -> Option<Survey> {
         let promises = context.promises;
-        (self.invocations > 0).then(|| Survey {
-            invocations: self.invocations,
-            promise: self.promise.read(&promises.conformance.unwrap_or(promises.text).name, record),
+        let promise = &promises.conformance.unwrap_or(promises.text).name;
+        let tightest = promises.measured.as_ref().map_or(promise, |profile| &profile.name);
+        (!self.by_sample.is_empty()).then(|| Survey {
+            invocations: self.by_sample.len() as u64,
+            promise: self.promise.read(promise, record),
             measured: promises.measured.as_ref().map(|profile| self.measured.read(&profile.name, record)),
             beyond: self.beyond,
             worst_beyond: self.worst_beyond,
+            as_written: Some(self.as_written.read(tightest, record)),
+            by_sample: self.by_sample,
         })
     }
 }

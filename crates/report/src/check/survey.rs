@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde_json::{Value, json};
 
 use engine::suite::run::{Outcome, Summary};
-use judge::verdict::{Survey, Tightness, Worst};
+use judge::verdict::{OfSample, Survey, Tightness, Worst};
 
 /// A line for each warning.
 pub(super) fn warnings(summary: &Summary) -> String {
@@ -22,6 +22,8 @@ pub(super) fn warnings(summary: &Summary) -> String {
 
 /// The survey for programs.
 pub(super) fn json(survey: &Survey) -> Value {
+    let of_sample = |one: &OfSample| json!({"allowed": one.allowed, "as_written": one.as_written});
+    let by_sample: Vec<Value> = survey.by_sample.iter().map(of_sample).collect();
     json!({
         "invocations": survey.invocations,
         "promise": tightness(&survey.promise),
@@ -30,6 +32,8 @@ pub(super) fn json(survey: &Survey) -> Value {
             "samples": survey.beyond,
             "worst": survey.worst_beyond.as_ref().map(worst),
         },
+        "as_written": survey.as_written.as_ref().map(tightness),
+        "by_sample": by_sample,
     })
 }
 
