@@ -13,6 +13,8 @@ use lanes::LaneError;
 const ROUNDS: u64 = 1 << 20;
 /// Rounds of loops of the samples of a relation together.
 const ROUNDS_OF_RELATION: u64 = ROUNDS / 4;
+/// Words of the samples of a relation together: large buffers take long without a loop.
+const WORDS_OF_RELATION: u64 = 1 << 18;
 /// Samples on which a relation is checked at most: each takes a run on the lane, and two of the interpreter, for each of its
 /// inputs.
 const RELATED: u64 = 8;
@@ -40,7 +42,9 @@ impl Budget {
         request: &Request,
         asked: u64,
     ) -> Result<Self, LaneError> {
-        let as_asked = Self { asked, samples: asked, rounds: None, limit: ROUNDS, related: asked.min(RELATED) };
+        let words = prepared.compute.invocation.words() as u64;
+        let related = asked.min(RELATED).min((WORDS_OF_RELATION / words.max(1)).max(1));
+        let as_asked = Self { asked, samples: asked, rounds: None, limit: ROUNDS, related };
         if request.samples.is_some() || request.replay_only || asked < 2 {
             return Ok(as_asked);
         }
