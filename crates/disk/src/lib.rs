@@ -9,6 +9,6 @@ mod source;
 pub mod table;
 
 pub use elsewhere::plain;
-pub use modules::{ComposeError, Modules};
+pub use modules::{ComposeError, Modules, ancestors};
 pub use problem::Problem;
 pub use source::{MOST_BYTES, read_source};

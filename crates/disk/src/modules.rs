@@ -112,6 +112,22 @@ impl Modules {
         })
     }
 
+    /// The file that `#import name` means where it lies in a folder below, as the host collects them: `shared/name.wgsl`.
+    /// None where several have the name, or where a module says that it is its own.
+    fn below_by_name(&mut self, folder: &Path, wanted: &Wanted) -> Option<SourceFile> {
+        let bare = wanted.path.chars().all(|c| c.is_alphanumeric() || c == '_');
+        let says = |modules: &mut Self, project: PathBuf| modules.said(&project).contains_key(&wanted.path);
+        if !wanted.import || !bare || self.projects(&wanted.from).into_iter().any(|project| says(self, project)) {
+            return None;
+        }
+        let mut found = files_below(folder);
+        found.retain(|path| path.file_stem().is_some_and(|stem| stem.to_string_lossy() == wanted.path));
+        match &found[..] {
+            [file] => self.read(file),
+            _ => None,
+        }
+    }
+
     /// Modules in the files of a project that say their names.
     fn said(&mut self, folder: &Path) -> &BTreeMap<String, PathBuf> {
         self.said.entry(folder.to_owned()).or_insert_with(|| {
@@ -144,7 +160,7 @@ fn folder_of(file: &SourceFile) -> PathBuf {
 
 /// Folders that a module of a package may begin in: those around a file, up to that of its project. The project ends
 /// where git says, or with the outermost folder that has a manifest.
-fn ancestors(folder: &Path) -> Vec<PathBuf> {
+pub fn ancestors(folder: &Path) -> Vec<PathBuf> {
     let absolute = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
     let count = absolute.ancestors().take(32).count();
     let mut found: Vec<PathBuf> = Vec::new();
@@ -233,7 +249,7 @@ impl Library for Modules {
                 return self.read(&path);
             }
         }
-        None
+        self.below_by_name(&own, wanted)
     }
 
     fn module(&mut self, from: &SourceFile, path: &ModulePath) -> Option<SourceFile> {
@@ -409,6 +425,16 @@ mod tests {
         let file = SourceFile::new(at("a.wesl").display().to_string(), "import super::b::x; fn f() { x(); }");
         let error = Modules::new(Vec::new()).compose(&file, &Options::default()).unwrap_err();
         assert!(matches!(&error, ComposeError::Unreadable(path, _) if path.ends_with("b.wesl")), "{error}");
+    }
+
+    #[test]
+    fn files_in_folders_below_are_found_by_their_names() {
+        let main = ("a/main.wgsl", "#import config\nfn f() { n(); }\n");
+        let here = ("a/shared/config.wgsl", "fn n() {}\n");
+        assert!(composed(&[main, here], &[]).contains("fn n()"));
+        let elsewhere = ("a/other/config.wgsl", "fn n() {}\n");
+        assert!(composed(&[main, here, elsewhere], &[]).starts_with("E070"), "two of them");
+        assert!(composed(&[main, ("b/config.wgsl", "fn n() {}\n")], &[]).starts_with("E070"), "not below");
     }
 
     #[test]

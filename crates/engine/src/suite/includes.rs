@@ -76,7 +76,7 @@ impl Includes {
         let Some(wanted) = self.missing.iter().find(here) else { return diagnostic };
         let mut searched: Vec<String> = self.folders.iter().map(|f| f.shown().to_string()).collect();
         if wanted.quoted {
-            searched.insert(0, "the folder of the file".to_owned());
+            searched.insert(0, "the folder of the file and those around it".to_owned());
         }
         let message = format!("`{}` is not found", wanted.path);
         let why = match searched.is_empty() {
@@ -93,7 +93,11 @@ fn find(wanted: &Wanted, folders: &[PathBuf], within: &[&Path]) -> Result<Option
     let beside = Path::new(wanted.from.name()).parent().filter(|_| wanted.quoted).map(Path::to_owned);
     // A path from the root is one of the virtual file system of ARB_shading_language_include.
     let path = wanted.path.trim_start_matches('/');
-    for folder in beside.into_iter().chain(folders.iter().cloned()) {
+    // Hosts that join the texts name files from the folder of all shaders, which is one around them.
+    let here = Path::new(".");
+    let from = beside.iter().map(|folder| if folder.as_os_str().is_empty() { here } else { folder.as_path() });
+    let around = from.flat_map(disk::ancestors).skip(1);
+    for folder in beside.iter().cloned().chain(folders.iter().cloned()).chain(around) {
         let path = if folder.as_os_str().is_empty() { PathBuf::from(path) } else { folder.join(path) };
         let refusal = || elsewhere::refusal(&path, within).map(|why| std::io::Error::new(ErrorKind::InvalidInput, why));
         match read_source(&path).and_then(|bytes| refusal().map_or(Ok(bytes), Err)) {
@@ -125,6 +129,20 @@ mod tests {
         let whole = includes.resolve(&file(&at("main.glsl"))).unwrap();
         assert!(whole.text().contains("float near;") && whole.text().contains("float far;"));
         assert_eq!(includes.missing.iter().map(|w| w.path.as_str()).collect::<Vec<_>>(), ["near.glsl"]);
+    }
+
+    #[test]
+    fn quoted_files_are_named_from_folders_around_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::create_dir_all(at("shaders/pass")).unwrap();
+        std::fs::write(at("shaders/pass/main.comp"), "#include \"pass/own.glsl\"\n#include <pass/far.glsl>\n").unwrap();
+        std::fs::write(at("shaders/pass/own.glsl"), "float own;\n").unwrap();
+        std::fs::write(at("shaders/pass/far.glsl"), "float far;\n").unwrap();
+        let mut includes = Includes::default();
+        let whole = includes.resolve(&file(&at("shaders/pass/main.comp"))).unwrap();
+        assert!(whole.text().contains("float own;"), "{}", whole.text());
+        assert_eq!(includes.missing.iter().map(|w| w.path.as_str()).collect::<Vec<_>>(), ["pass/far.glsl"]);
     }
 
     #[test]
