@@ -24,6 +24,7 @@ pub const RULES: &[&Rule] = &[
     &glsl::lost_in_swap::RULE,
     &glsl::same_element_each_round::RULE,
     &glsl::copy_left_as_it_was::RULE,
+    &glsl::counter_of_outer_loop::RULE,
     // G. Geometry shaders.
     &glsl::max_vertices_too_small::RULE,
     &glsl::max_vertices_too_large::RULE,

@@ -31,6 +31,7 @@ pub(super) mod constructor_too_few_args;
 pub(super) mod constructor_too_many_args;
 pub(super) mod copy_left_as_it_was;
 pub(super) mod cosine_not_clamped;
+pub(super) mod counter_of_outer_loop;
 pub(super) mod dead_store;
 pub(super) mod degrees_as_radians;
 pub(super) mod deprecated_in_profile;

@@ -7,6 +7,7 @@ use base::diagnostic::{Code, Diagnostic, Severity, message};
 
 use super::variable::{part, with_zero};
 
+mod counter;
 mod element;
 
 /// The rule.
@@ -27,6 +28,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         }
     }
     element::check(file, findings);
+    counter::check(file, findings);
 }
 
 /// The diagnostic for a read without a value.
