@@ -43,12 +43,20 @@ pub struct Modules {
     failed: Option<(String, String)>,
     /// Bytes that may still be read.
     left: u64,
+    /// A file below the folder of the one that asks is found by its name.
+    below: bool,
 }
 
 impl Modules {
     /// Looks for files in the folders that a user names, besides those around the file that asks.
     pub fn new(folders: Vec<PathBuf>) -> Self {
-        Self { folders, said: BTreeMap::new(), failed: None, left: MOST_BYTES }
+        Self { folders, said: BTreeMap::new(), failed: None, left: MOST_BYTES, below: false }
+    }
+
+    /// Finds `#import name` by the name of a file in the folders below, too: a guess about the host, for a text that is run.
+    #[must_use]
+    pub fn with_files_below(self) -> Self {
+        Self { below: true, ..self }
     }
 
     /// The text that a file stands for.
@@ -249,7 +257,7 @@ impl Library for Modules {
                 return self.read(&path);
             }
         }
-        self.below_by_name(&own, wanted)
+        if self.below { self.below_by_name(&own, wanted) } else { None }
     }
 
     fn module(&mut self, from: &SourceFile, path: &ModulePath) -> Option<SourceFile> {
@@ -346,7 +354,7 @@ mod tests {
             std::fs::write(at(name), text).unwrap();
         }
         let file = SourceFile::new(at(files[0].0).display().to_string(), files[0].1);
-        let mut modules = Modules::new(folders.iter().map(|name| at(name)).collect());
+        let mut modules = Modules::new(folders.iter().map(|name| at(name)).collect()).with_files_below();
         let root = format!("{}/", folder.path().display());
         let shown = |d: &Diagnostic| {
             let help = d.help.as_ref().map(ToString::to_string).unwrap_or_default();

@@ -46,7 +46,7 @@ impl Joined {
         if Written::of(file) != Written::Wgsl || syntax::other_language(file, syntax::Looks::Wgsl).is_some() {
             return Ok(None);
         }
-        let composed = match Modules::new(folders.to_vec()).compose(file, options) {
+        let composed = match Modules::new(folders.to_vec()).with_files_below().compose(file, options) {
             Ok(composed) => Ok(composed),
             Err(ComposeError::Wrong(found)) => Err(found),
             Err(error @ ComposeError::Unreadable(..)) => return Err(error),
