@@ -51,3 +51,37 @@ fn an_error_free_transformation_is_told_without_precise_and_silent_with_it() {
     let strict = found("precise float");
     assert!(!strict.contains("relies on rounding order"), "{strict}");
 }
+
+/// A sum with its error, by what its variables are declared as.
+fn pair(declared: &str) -> String {
+    format!(
+        "#version 450\nvec2 two_sum(float a, float b) {{\n  {declared} s = a + b;\n  {declared} t = s - a;\n  \
+         {declared} e = (a - (s - t)) + (b - t);\n  return vec2(s, e);\n}}\n"
+    )
+}
+
+#[test]
+fn a_pair_of_numbers_is_told_by_what_regrouping_costs() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = |text: &str| {
+        fs::write(folder.path().join("sum.glsl"), text).unwrap();
+        run_in(folder.path(), "fuzz sum.glsl --samples 4096 --lane embedded --domain a=[-1,1] --domain b=[-1,1]").out
+    };
+    let loose = found(&pair("float"));
+    assert!(loose.contains("relies on rounding order") && loose.contains("the error of both grows from"), "{loose}");
+    assert!(!loose.contains("ill-conditioned"), "{loose}");
+    let strict = found(&pair("precise float"));
+    assert!(!strict.contains("rounding order") && !strict.contains("ill-conditioned"), "{strict}");
+    // Two outputs of which one is 0 and right.
+    let plain = found("#version 450\nvec2 two(float a, float b) { return vec2(a + b, (a - b) * 0.0); }\n");
+    assert!(!plain.contains("rounding order"), "{plain}");
+}
+
+#[test]
+fn an_overflow_inside_of_a_split_is_no_fault_of_the_lane() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "#version 450\nfloat high(float a) { precise float t = 4097.0 * a; precise float h = t - (t - a); return h; }\n";
+    fs::write(folder.path().join("split.glsl"), text).unwrap();
+    let ran = run_in(folder.path(), "fuzz split.glsl --samples 4096 --lane embedded --domain a=[8e34,9e34]").out;
+    assert!(ran.contains("is too large for binary32") && !ran.contains("deviates"), "{ran}");
+}

@@ -38,6 +38,8 @@ pub struct Named {
     pub strict: f32,
     /// Why a value is undefined.
     pub why: Option<String>,
+    /// The relative errors of another output, with this one added and without.
+    pub pair: Option<[f64; 2]>,
 }
 
 /// Samples with one name are one finding.
@@ -57,6 +59,7 @@ impl Named {
             meaning: f64::NAN,
             strict: f32::NAN,
             why: None,
+            pair: None,
         }
     }
 
@@ -174,6 +177,10 @@ fn one(
         named.condition = *condition;
     }
     let value = named.value;
+    if trouble == Trouble::Paired {
+        let sum = matches!(named.op, Some(Op::Add | Op::Sub | Op::Fma)) && !named.site.is_some_and(Site::is_precise);
+        return sum.then_some(Named { kind: FuzzFindingKind::RoundingOrder, pair: Some(look.pair), ..named });
+    }
     named.kind = match trouble {
         _ if vanished(named.op, &named.args, value) => FuzzFindingKind::Underflow,
         Trouble::NoValue | Trouble::Infinite if value.is_infinite() && !is_pole(named.op, &named.args) => {

@@ -538,11 +538,18 @@ fn message(named: &Named, shown: &str) -> String {
                 decimal(named.meaning)
             )
         }
-        FuzzFindingKind::RoundingOrder => format!(
-            "relies on rounding order: `{shown} is 0 in real numbers, binary32 gives {strict}, and a conforming device may \
+        FuzzFindingKind::RoundingOrder => match named.pair {
+            Some([with, without]) => format!(
+                "relies on rounding order: `{shown} is 0 in real numbers and what rounding left of another output; a conforming \
+                 device may regroup{}: the error of both grows from {with:.0e} to {without:.0e} at these inputs; add `precise`",
+                op.as_ref().map_or_else(String::new, |op| format!(" {op}"))
+            ),
+            None => format!(
+                "relies on rounding order: `{shown} is 0 in real numbers, binary32 gives {strict}, and a conforming device may \
              regroup{}, which leaves nothing of it; add `precise` to what it is computed from",
-            op.as_ref().map_or_else(String::new, |op| format!(" {op}"))
-        ),
+                op.as_ref().map_or_else(String::new, |op| format!(" {op}"))
+            ),
+        },
         FuzzFindingKind::TooLarge => format!("`{shown} is too large for binary32{}", by("is")),
         FuzzFindingKind::NotWritten => format!("`{shown} is not written"),
         FuzzFindingKind::TooManyVertices => {

@@ -10,6 +10,12 @@ use program::interp::{Binary32, Binary64, Executable, HazardKind, Machine, Numbe
 /// Part of an output's size that rounding may move it by before it counts as ill-conditioned.
 pub const LIMIT: f64 = 1.0 / 1024.0;
 
+/// A relative error that no operation of binary32 leaves by itself.
+const EXACT: f64 = 1.0 / (1_u64 << 40) as f64;
+
+/// One that a rounding may leave.
+const ROUNDED: f64 = 1.0 / (1_u64 << 32) as f64;
+
 /// Rounds of loops that one sample may go through.
 pub const ROUNDS: u32 = ENDLESS;
 
@@ -39,6 +45,8 @@ pub enum Trouble {
     Undefined,
     /// Rounding moves an output by more than [`LIMIT`] of its size.
     Moved,
+    /// An output is 0 in real numbers and the error of another in binary32, as error-free transformations take it.
+    Paired,
     /// An index outside of its array.
     Index,
     /// An integer divided by zero.
@@ -89,7 +97,8 @@ impl Trouble {
             | Self::TooManyVertices
             | Self::Unset
             | Self::Undefined
-            | Self::Moved => return None,
+            | Self::Moved
+            | Self::Paired => return None,
         })
     }
 }
@@ -106,6 +115,8 @@ pub struct Look {
     pub error: f64,
     /// An output depends on an undefined value: devices need not agree on it, nor with themselves.
     pub undefined: bool,
+    /// With [`Trouble::Paired`]: the relative errors of the other output, with this one added and without.
+    pub pair: [f64; 2],
     /// How long its loops go on; of those that are not known to end nothing else is known.
     pub rounds: Rounds,
 }
@@ -178,7 +189,10 @@ fn chunk_of(
             look.note(Trouble::TooManyVertices, (0, 0));
         }
     }
+    // In each slot: values in real numbers and in binary32, with their words.
+    let mut words: Vec<Vec<Word>> = vec![Vec::new(); slots];
     for vertex in 0..meaning.room() {
+        words.iter_mut().for_each(Vec::clear);
         for field in 0..record.fields().len() {
             let range = record.range(field);
             let mut scale = [0.0_f64; SLOTS];
@@ -208,11 +222,42 @@ fn chunk_of(
                     }
                     let (exact, found) = (wide.values()[slot], narrow.values()[slot]);
                     value(look, exact, f64::from(found), found.is_poison(), scale[slot], (vertex, word));
+                    words[slot].push((exact, f64::from(found), word));
                 }
+            }
+        }
+        for (look, words) in looks.iter_mut().zip(&words) {
+            if let Some((pair, word)) = paired(words) {
+                if look.trouble.is_none_or(|before| Trouble::Paired < before) {
+                    look.pair = pair;
+                }
+                look.note(Trouble::Paired, (vertex, word));
             }
         }
     }
     looks
+}
+
+/// A value in real numbers, in binary32, and its word.
+type Word = (f64, f64, usize);
+
+/// A word that is 0 in real numbers and in binary32 what another one is off by; and the relative error of the other with and
+/// without it.
+fn paired(words: &[Word]) -> Option<([f64; 2], usize)> {
+    // Nothing but noise: hardly any word.
+    let noise = words.iter().filter(|(exact, found, _)| exact.abs() < found.abs() * LIMIT && found.is_finite());
+    noise.into_iter().find_map(|&(exact, low, word)| {
+        words.iter().find_map(|&(meaning, high, other)| {
+            let size = meaning.abs();
+            let [with, without] = [high + low - meaning, high - meaning].map(|error| error.abs() / size);
+            let holds = other != word
+                && exact.abs() <= size * EXACT
+                && low.abs() <= size * LIMIT
+                && without > ROUNDED
+                && with <= EXACT;
+            holds.then_some(([with, without], word))
+        })
+    })
 }
 
 /// Leaves undefined values out that no output depends on, and notes the others.

@@ -91,6 +91,7 @@ impl Tape<'_> {
         let root = self.id(&output);
         let rearranged = self.model.is_rearranged();
         let Self { arena, sweep, .. } = self;
+        let reach = *arena.radius.get(root as usize);
         let mut bounds = Bounds { bound: Box::new([0.0; SLOTS]) };
         sweep.begin(root as usize + 1);
         *sweep.of(root).0 = Adjoint([1.0; SLOTS], [0.0; SLOTS]);
@@ -104,13 +105,13 @@ impl Tape<'_> {
             let counts = !meta.exact && (!rearranged || id == root || !meta.is_regrouped());
             if counts {
                 let share = &mut sweep.part.0;
-                add(arena.local.get(id as usize), &adjoint, &mut bounds.bound, share);
+                add(arena.local.get(id as usize), (&adjoint, &reach), &mut bounds.bound, share);
                 see(id, share);
             }
             if rearranged && !meta.is_regrouped() {
                 // Each polynomial argument errs as a whole, as far as this node hands it on.
                 regrouped(arena, sweep, id, &adjoint, &mut |a, worth, share| {
-                    add(arena.local.get(a as usize), worth, &mut bounds.bound, share);
+                    add(arena.local.get(a as usize), (worth, &reach), &mut bounds.bound, share);
                     see(a, share);
                 });
             }
@@ -130,9 +131,9 @@ impl Tape<'_> {
     }
 }
 
-/// Adds a node's own error, times what it is worth. `share` becomes what was added.
-fn add(local: &Slots, adjoint: &Adjoint, bound: &mut Slots, share: &mut Slots) {
-    let finite = number::wide(|| add_finite(local, adjoint, bound, share));
+/// Adds a node's own error, times what it is worth. `share` becomes what was added. `reach` is the radius of the output.
+fn add(local: &Slots, worth: (&Adjoint, &Slots), bound: &mut Slots, share: &mut Slots) {
+    let finite = number::wide(|| add_finite(local, worth, bound, share));
     if !finite {
         for (bound, share) in bound.iter_mut().zip(share) {
             // Infinite or NaN.
@@ -145,13 +146,16 @@ fn add(local: &Slots, adjoint: &Adjoint, bound: &mut Slots, share: &mut Slots) {
 
 /// The loop of [`add`]. True when every share is finite.
 #[inline(always)]
-fn add_finite(local: &Slots, Adjoint(m, r): &Adjoint, bound: &mut Slots, share: &mut Slots) -> bool {
+fn add_finite(local: &Slots, (Adjoint(m, r), reach): (&Adjoint, &Slots), bound: &mut Slots, share: &mut Slots) -> bool {
     let mut lost = 0_u64;
     for slot in 0..SLOTS {
         let worth = m[slot].abs() + r[slot];
-        // What does not reach the output is not looked at, whatever it is.
+        // What does not reach the output is not looked at, whatever it is. What reaches it on two ways whose derivatives
+        // cancel does not cancel where it is infinite, and the radius knows.
         let part = worth * local[slot];
-        let part = if worth == 0.0 || local[slot] == 0.0 { 0.0 } else { part };
+        let endless = local[slot] == f64::INFINITY && reach[slot] == f64::INFINITY;
+        let still = if endless { f64::INFINITY } else { 0.0 };
+        let part = if worth == 0.0 || local[slot] == 0.0 { still } else { part };
         share[slot] = part;
         bound[slot] += part;
         lost |= u64::from(!(part < f64::INFINITY));

@@ -85,6 +85,17 @@ fn errors_pass_through_derivatives() {
 }
 
 #[test]
+fn an_overflow_does_not_cancel() {
+    // 4097·x is infinite, and infinity less infinity is no number, though the derivative by 4097·x is 0.
+    let split = "float f(float x) { float t = 4097.0 * x; return t - (t - x); }";
+    assert_eq!(bound("binary32", split, &[8.4e34]), f64::INFINITY);
+    assert!(bound("binary32", split, &[8.2e34]) < 1e32);
+    // What is not chosen may overflow.
+    let chosen = "float f(float x) { float t = 4097.0 * x; return x > 0.0 ? x : t; }";
+    assert_eq!(bound("binary32", chosen, &[8.4e34]), 0.0);
+}
+
+#[test]
 fn an_error_in_numerator_and_denominator_cancels() {
     // w/(w + w) is 1/2 whatever w: of the error of pow nothing is left.
     let shared = "float f(float x) { float w = pow(x, -16.0); return w / (w + w); }";
