@@ -104,6 +104,7 @@ pub const RULES: &[&Rule] = &[
     &glsl::missing_homogeneous_divide::RULE,
     &glsl::normal_by_model_matrix::RULE,
     &glsl::catastrophic_cancellation::RULE,
+    &glsl::nan_test_removed::RULE,
     &glsl::scalar_added_to_position::RULE,
     &glsl::step_does_not_guard::RULE,
     &glsl::logarithm_base::RULE,
@@ -121,6 +122,7 @@ pub const RULES: &[&Rule] = &[
     &glsl::index_rounded_to_size::RULE,
     &glsl::mediump_epsilon::RULE,
     &glsl::mediump_digits::RULE,
+    &glsl::rounding_order::RULE,
     // P. Cost.
     &glsl::inverse_in_shader::RULE,
     &glsl::matrix_chain_order::RULE,

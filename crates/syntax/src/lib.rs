@@ -33,6 +33,7 @@ pub mod symbols;
 #[cfg(test)]
 mod tests;
 pub mod types;
+pub mod vanishing;
 pub mod wgsl;
 
 use ast::{Arena, Expr, ExprId, Unit};
