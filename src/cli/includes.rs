@@ -90,18 +90,24 @@ pub fn read_all(path: &Path, given: &Given<'_>, stage: Option<Stage>) -> anyhow:
 
 impl IncludedText {
     /// The shader. A library that names no version is written for whatever the shaders that it is put
-    /// into say: the newest version is taken, unless only the oldest has what it uses.
+    /// into say: the newest version is taken, unless only the oldest has what it uses. A stage that names none and states
+    /// precisions is GLSL ES 1.00, as browsers take it.
     pub fn parsed(&self, defines: &[(String, String)]) -> Parsed {
         let parsed = Shader::parse_with(&self.file, self.stage, defines);
-        if self.stage != Stage::Library || parsed.shader.version().span.is_some() {
+        let errors = |p: &Parsed| p.diagnostics.iter().filter(|d| d.severity == Severity::Error).count();
+        if parsed.shader.version().span.is_some() {
             return parsed;
         }
-        let mut newest = Assembly::new();
-        newest.insert("#version 460\n", &self.file, 0);
-        newest.copy(&self.file, Span::new(0, self.file.text().len()));
-        let newest = Shader::parse_with(&newest.finish(self.file.name()), self.stage, defines);
-        let errors = |p: &Parsed| p.diagnostics.iter().filter(|d| d.severity == Severity::Error).count();
-        if errors(&newest) > 0 && errors(&parsed) == 0 { parsed } else { newest }
+        let line = match self.stage {
+            Stage::Library => "#version 460\n",
+            _ if parsed.shader.has_precisions() && errors(&parsed) > 0 => "#version 100\n",
+            _ => return parsed,
+        };
+        let mut stated = Assembly::new();
+        stated.insert(line, &self.file, 0);
+        stated.copy(&self.file, Span::new(0, self.file.text().len()));
+        let stated = Shader::parse_with(&stated.finish(self.file.name()), self.stage, defines);
+        if errors(&stated) > 0 && errors(&parsed) == 0 { parsed } else { stated }
     }
 
     /// A changed text in the place of the author's file, read in the way of the first.

@@ -67,6 +67,9 @@ pub struct TuneArgs {
     /// Size of the viewport in pixels, of which `gl_Position` may lose half of one
     #[arg(long, value_name = "WxH", value_parser = viewport)]
     pub viewport: Option<[f64; 2]>,
+    /// Width and height of textures: coordinates of 1024 texels and more stay `highp`
+    #[arg(long, value_name = "TEXELS", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub texture_size: u32,
     /// Value of a macro: `--define WIDTH=8`; repeatable
     #[arg(short = 'D', long, value_name = "NAME=VALUE", value_parser = translate::definition)]
     pub define: Vec<(String, String)>,
@@ -135,7 +138,8 @@ fn tolerances(args: &TuneArgs) -> anyhow::Result<Stated> {
 pub fn run(args: &TuneArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
     let stage = args.stage.map(syntax::Stage::from);
     let domains = stated(&args.domain)?;
-    let request = Request { samples: args.samples, seed: args.seed, stated: tolerances(args)? };
+    let request =
+        Request { samples: args.samples, seed: args.seed, stated: tolerances(args)?, texels: args.texture_size };
     let mut inputs = Inputs::new(&domains);
     let mut summary = Summary { seed: args.seed, files: Vec::new() };
     let mut broken = false;

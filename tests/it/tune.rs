@@ -98,3 +98,23 @@ fn a_position_may_be_off_by_half_a_pixel() {
     assert_eq!(at("64x64", 1), 0, "64 pixels need seven bits");
     assert_eq!(at("7680x4320", 0), 1, "7680 pixels need more than ten");
 }
+
+#[test]
+fn coordinates_of_large_textures_stay_highp() {
+    // Without `#version`: GLSL ES 1.00, as browsers take it.
+    let text = "precision highp float;\nvarying vec2 uv;\nvarying vec4 tint;\nuniform sampler2D image;\nvoid main() {\n  \
+                vec2 at = uv + 0.25;\n  vec4 shade = tint * 0.5;\n  gl_FragColor = texture2D(image, at) * shade;\n}\n";
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("image.frag"), text).unwrap();
+    let tuned = |size: u32| {
+        let command = format!("tune image.frag --samples 2048 --format json --texture-size {size}");
+        run_in(folder.path(), &command).expect(1).json()
+    };
+    let large = tuned(2048);
+    assert!(high(&large).contains(&"input uv") && high(&large).contains(&"at"), "{large}");
+    assert!(!high(&large).contains(&"shade") && !high(&large).contains(&"input tint"), "{large}");
+    assert_eq!(declaration(&large, "at")["texels"], 2048, "{large}");
+    assert!(!high(&tuned(256)).contains(&"input uv"));
+    let patch = large["files"][0]["patch"].as_str().unwrap();
+    assert!(!patch.contains("#version"), "{patch}");
+}

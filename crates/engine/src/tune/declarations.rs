@@ -1,10 +1,12 @@
 //! Declarations of a shader that can have another precision, and the texts that give it to them.
 
+use super::coordinates::coordinates;
 use crate::improve::own_span;
 use base::text::{Edit, EditList, SourceFile, Span};
 use syntax::Shader;
 use syntax::ast::{
-    Block, Condition, Declaration as Declared, ItemKind, Precision, Qualifiers, Stmt, StmtKind, TypeKind, TypeSpecifier,
+    Block, Condition, Declaration as Declared, ExprId, ItemKind, Precision, Qualifiers, Stmt, StmtKind, TypeKind,
+    TypeSpecifier,
 };
 use syntax::interface::Storage;
 use syntax::precision::Precisions;
@@ -20,8 +22,12 @@ pub struct Declaration {
     pub at: String,
     /// The precision that it has, stated or by default; none where its text has no precisions.
     pub now: Option<Precision>,
+    /// It carries the coordinate of a texel.
+    pub coordinate: bool,
     /// Where a word goes that states one: before the type, here and in each prototype.
     places: Vec<Place>,
+    /// What it declares.
+    symbols: Vec<SymbolId>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -58,8 +64,12 @@ impl Declarations {
         let reached = shader.reachable(entry);
         let used = shader.used_by(&reached).into_iter().collect();
         let own = Self { all: Vec::new(), default: None, pinned: false, samplers: Vec::new() };
-        let mut finder = Finder { shader, file, precisions, used, own };
+        let mut finder = Finder { shader, file, precisions, used, own, given: Vec::new() };
         finder.unit(&reached);
+        let carried = coordinates(shader, &finder.given);
+        for one in &mut finder.own.all {
+            one.coordinate = one.symbols.iter().any(|symbol| carried.contains(symbol));
+        }
         finder.own.all.sort_by_key(|declaration| declaration.places.first().map(|place| place.before));
         finder.own
     }
@@ -142,6 +152,8 @@ struct Finder<'a> {
     precisions: &'a Precisions,
     used: Vec<SymbolId>,
     own: Declarations,
+    /// Variables with their initialisers.
+    given: Vec<(SymbolId, ExprId)>,
 }
 
 impl Finder<'_> {
@@ -178,14 +190,14 @@ impl Finder<'_> {
             if is_real(&info.return_type) {
                 let all = heads.iter().map(|head| (&head.qualifiers, &head.return_type));
                 let now = self.precisions.of_result(id);
-                self.add(format!("the result of {}", info.name.name), info.name.span, now, all.collect());
+                self.add(format!("the result of {}", info.name.name), info.name.span, now, all.collect(), Vec::new());
             }
             for (k, known) in info.params.iter().enumerate().filter(|(_, known)| is_real(&known.ty)) {
                 let (Some(symbol), Some(name)) = (known.symbol, &known.name) else { continue };
                 let all = heads.iter().filter_map(|head| head.params.get(k));
                 let all = all.map(|param| (&param.qualifiers, &param.ty)).collect();
                 let now = self.precisions.of_symbol(symbol);
-                self.add(format!("{} of {}", name.name, info.name.name), name.span, now, all);
+                self.add(format!("{} of {}", name.name, info.name.name), name.span, now, all, vec![symbol]);
             }
             if let Some(body) = &definition.body {
                 self.block(body);
@@ -237,13 +249,16 @@ impl Finder<'_> {
                     let now = member.qualifiers.precision().map(|(precision, _)| precision);
                     let now = now.or_else(|| self.own.default.map(|(_, default)| default));
                     let all = vec![(&member.qualifiers, &member.ty)];
-                    self.add(format!("{} of {of}", names.join(", ")), first.name.span, now, all);
+                    self.add(format!("{} of {of}", names.join(", ")), first.name.span, now, all, Vec::new());
                 }
             }
             return;
         }
         let symbols: Vec<SymbolId> =
             declaration.declarators.iter().filter_map(|one| self.symbol(one.name.span)).collect();
+        for one in &declaration.declarators {
+            self.given.extend(self.symbol(one.name.span).zip(one.initializer.as_ref().map(|value| value.value)));
+        }
         let Some(&first) = symbols.first() else { return };
         if !symbols.iter().any(|symbol| self.used.contains(symbol)) {
             return;
@@ -268,7 +283,8 @@ impl Finder<'_> {
             _ => "",
         };
         let at = declaration.declarators.first().map_or(declaration.span, |one| one.name.span);
-        self.add(format!("{storage}{}", names.join(", ")), at, now, vec![(&declaration.qualifiers, &declaration.ty)]);
+        let of = vec![(&declaration.qualifiers, &declaration.ty)];
+        self.add(format!("{storage}{}", names.join(", ")), at, now, of, symbols);
     }
 
     fn symbol(&self, name: Span) -> Option<SymbolId> {
@@ -287,7 +303,14 @@ impl Finder<'_> {
         Some(Place { stated, before: written.start })
     }
 
-    fn add(&mut self, what: String, at: Span, now: Option<Precision>, of: Vec<(&Qualifiers, &TypeSpecifier)>) {
+    fn add(
+        &mut self,
+        what: String,
+        at: Span,
+        now: Option<Precision>,
+        of: Vec<(&Qualifiers, &TypeSpecifier)>,
+        symbols: Vec<SymbolId>,
+    ) {
         let places: Option<Vec<Place>> = of.iter().map(|(qualifiers, ty)| self.place(qualifiers, ty)).collect();
         let Some(mut places) = places.filter(|places| !places.is_empty()) else {
             self.own.pinned = true;
@@ -295,7 +318,7 @@ impl Finder<'_> {
         };
         places.dedup();
         let (file, span) = self.shader.file().origin(at);
-        self.own.all.push(Declaration { what, at: file.locate(span.start), now, places });
+        self.own.all.push(Declaration { what, at: file.locate(span.start), now, coordinate: false, places, symbols });
     }
 }
 

@@ -7,6 +7,7 @@
 //!
 //! What is off on all samples in a proof joins those of the search, which goes on until the proof holds.
 
+mod coordinates;
 mod declarations;
 mod search;
 mod tolerance;
@@ -30,6 +31,7 @@ use syntax::precision::Precisions;
 pub use declarations::{Declaration, wanted, word};
 pub use tolerance::{Stated, Tolerance};
 
+use coordinates::TOLD_APART;
 use declarations::Declarations;
 use trial::{Devices, Off, Outcome};
 
@@ -47,6 +49,8 @@ pub struct Request {
     pub seed: u64,
     /// How far outputs may be off.
     pub stated: Stated,
+    /// Width and height of the textures, in texels.
+    pub texels: u32,
 }
 
 /// An input that shows why a declaration must be `highp`.
@@ -79,6 +83,8 @@ pub struct Row {
     pub alone_off: [f64; 2],
     /// Why it must be `highp`.
     pub shown: Option<Shown>,
+    /// It carries a coordinate of textures that have more texels than `mediump` tells apart.
+    pub texels: Option<u32>,
 }
 
 /// What came of one function.
@@ -135,6 +141,8 @@ struct Tuning<'a> {
     devices: Devices<'static>,
     /// Desktop GLSL, whose precisions mean nothing to desktops.
     desktop: bool,
+    /// Width and height of the textures, in texels.
+    texels: u32,
 }
 
 /// Tunes one function of a shader, whose parse is `parsed` and whose author's file is `file`. `again` parses a changed
@@ -166,7 +174,7 @@ pub fn run(
     let tolerances = request.stated.of(record, ready.program.stage)?;
     let profile = by_name("binary32").ok_or("internal error, please report: there is no profile `binary32`")?;
     let devices = Devices { profile, seed: request.seed };
-    let tuning = Tuning { file, subject, again, declarations, tolerances, devices, desktop };
+    let tuning = Tuning { file, subject, again, declarations, tolerances, devices, desktop, texels: request.texels };
     let all_high = vec![true; tuning.declarations.all.len()];
     let base = tuning.built(&tuning.declarations.stated(file, &all_high))?;
     let key = stream_key(request.seed, &subject.label);
@@ -194,6 +202,11 @@ fn bounded(ready: &Ready, domain: &Domain) -> Result<(), String> {
 }
 
 impl Tuning<'_> {
+    /// The size of the textures whose coordinate a declaration carries, where `mediump` does not tell their texels apart.
+    fn texels(&self, k: usize) -> Option<u32> {
+        (self.declarations.all[k].coordinate && self.texels >= TOLD_APART).then_some(self.texels)
+    }
+
     /// The function in a changed file.
     fn built(&self, file: &SourceFile) -> Result<Box<Ready>, String> {
         let parsed = (self.again)(file);
@@ -307,6 +320,7 @@ impl Tuning<'_> {
                 alone: worst,
                 alone_off: off,
                 shown,
+                texels: self.texels(k),
             });
         }
         let medium = self.built(&self.declarations.stated(self.file, &vec![false; all.len()]))?;

@@ -57,6 +57,8 @@ struct Declaration<'a> {
     alone: f64,
     samples_off: f64,
     at_edges: f64,
+    /// Texels of the textures whose coordinate it is, where `mediump` does not tell them apart.
+    texels: Option<u32>,
     why: Option<Why<'a>>,
 }
 
@@ -123,6 +125,7 @@ fn declaration(row: &Row) -> Declaration<'_> {
         alone: row.alone,
         samples_off: row.alone_off[0],
         at_edges: row.alone_off[1],
+        texels: row.texels,
         why: row.shown.as_ref().map(why),
     }
 }

@@ -49,9 +49,16 @@ fn one(text: &mut String, file: &FileReport, color: bool) {
     }
     table(text, report);
     for row in report.rows.iter().filter(|row| row.high) {
-        let Some(found) = &row.shown else { continue };
-        let _ = writeln!(text, "\n  {} must be highp", row.declaration.what);
-        shown(text, found);
+        if row.shown.is_some() || row.texels.is_some() {
+            let _ = writeln!(text, "\n  {} must be highp", row.declaration.what);
+        }
+        if let Some(size) = row.texels {
+            let _ = writeln!(
+                text,
+                "    it is a coordinate of textures: of {size} texels (--texture-size) `mediump` tells less than 1024 apart"
+            );
+        }
+        row.shown.iter().for_each(|found| shown(text, found));
     }
     proof(text, report);
     if let Some(patch) = &file.patch {
