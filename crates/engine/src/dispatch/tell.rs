@@ -129,8 +129,10 @@ impl Dispatched {
                 let own = did(incident.who.access);
                 let theirs = did(other.access);
                 let at = self.at(other.site);
+                let atomic = (incident.who.access, other.access) == (Access::Atomic, Access::Atomic);
+                let undone = if atomic { ": the store undoes what the other one does, or not" } else { "" };
                 format!(
-                    "race on `{place}`: {who} {own} it, and {} {theirs} it{at}, {ordered}",
+                    "race on `{place}`: {who} {own} it, and {} {theirs} it{at}, {ordered}{undone}",
                     self.invocation(other, groups)
                 )
             }

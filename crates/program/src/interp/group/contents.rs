@@ -4,7 +4,7 @@ use super::super::code::{File, Reg, Register};
 use super::super::slots::{Mask, SLOTS};
 use super::access::{Combine, MemoryAccess, MemoryOp};
 use super::cells::InMemory;
-use super::memory::{Access, Incident, Party, Wrong};
+use super::memory::{Access, Effect, Incident, Party, Wrong};
 use super::{Group, Space, placed};
 use base::value::Scalar;
 
@@ -44,7 +44,7 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
                 let word = place.map(|place| place + *at as usize).filter(|word| *word < self.contents[memory].len());
                 if let Some(word) = word {
                     self.unwritten(access, k, slot, word);
-                    self.touch(access, k, slot, word, touch, false);
+                    self.touch(access, k, slot, word, touch, Effect::Kept);
                     if self.contents[memory].is_open(word) {
                         open.insert(slot);
                     }
@@ -175,16 +175,16 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
         let sum = (value.file() == File::Real).then(|| op.of_reals().map(|sum| (sum, real(value.reg)))).flatten();
         if let Some(word) = word {
             self.unwritten(access, k, slot, word);
-            self.touch(access, k, slot, word, Access::Atomic, true);
+            let new = if hit { combine(op, value.scalar, old, argument) } else { old };
+            let updated = op != Combine::Exchange && (sum.is_some() || new != old);
+            let effect = if updated { Effect::Updated } else { Effect::Kept };
+            self.touch(access, k, slot, word, Access::Atomic, effect);
             let open = self.contents[memory].is_open(word) || self.is_open(memory, k, slot);
             match sum {
                 Some((sum, own)) if hit => {
                     self.contents[memory].combine(&self.machines[k].domain, sum, (word, own), open);
                 }
-                _ => {
-                    let new = if hit { combine(op, value.scalar, old, argument) } else { old };
-                    self.contents[memory].set_bits(word, new, open);
-                }
+                _ => self.contents[memory].set_bits(word, new, open),
             }
             if open && before.is_some() {
                 let mut only = Mask::NONE;
@@ -216,28 +216,30 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
             return;
         }
         let touch = if access.atomic { Access::Atomic } else { Access::Write };
+        // Whoever stores atomically means the value to stand, also where it was there before.
+        let effect = |changes: bool| if changes || access.atomic { Effect::Replaced } else { Effect::Kept };
         let open = self.is_open(memory, k, slot);
         match from.file() {
             File::Real => {
                 let machine = &self.machines[k];
                 let value = machine.domain.kept(&machine.reals[from.reg as usize], slot);
                 let changes = D::bits(value) != self.contents[memory].bits(word);
-                self.touch(access, k, slot, word, touch, changes);
+                self.touch(access, k, slot, word, touch, effect(changes));
                 self.contents[memory].set_real(word, value, open);
             }
             File::Word => {
                 let bits = self.machines[k].words[from.reg as usize][slot];
                 let changes = bits != self.contents[memory].bits(word);
-                self.touch(access, k, slot, word, touch, changes);
+                self.touch(access, k, slot, word, touch, effect(changes));
                 self.contents[memory].set_bits(word, bits, open);
             }
         }
     }
 
-    fn touch(&mut self, access: &MemoryAccess, k: usize, slot: usize, word: usize, touch: Access, changes: bool) {
+    fn touch(&mut self, access: &MemoryAccess, k: usize, slot: usize, word: usize, touch: Access, effect: Effect) {
         let who = Party { group: self.number, local: (k * SLOTS + slot) as u32, access: touch, site: access.site };
         let contents = &mut self.contents[access.memory as usize];
-        self.log.touch((access.memory, contents), word, who, self.epoch, changes);
+        self.log.touch((access.memory, contents), word, who, self.epoch, effect);
     }
 
     /// Notes a word of the workgroup's memory that has no value yet.

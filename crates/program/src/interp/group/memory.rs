@@ -32,6 +32,17 @@ pub enum Access {
     Atomic,
 }
 
+/// What an access leaves of the word before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Effect {
+    /// All of it, or what does not depend on an order: a load, a store of what is there, an exchange that tells what was.
+    Kept,
+    /// An atomic function added to it.
+    Updated,
+    /// Nothing: a store.
+    Replaced,
+}
+
 /// One of two invocations that meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Party {
@@ -79,6 +90,7 @@ impl Incident {
 #[derive(Clone, Copy)]
 struct Touched {
     party: Party,
+    effect: Effect,
     /// Barriers of its workgroup before.
     epoch: u32,
     /// Number of the access in the dispatch.
@@ -226,19 +238,20 @@ impl Log {
         self.incidents
     }
 
-    /// Notes an access, and whether it meets another one. `changes` is false for a write of what the word holds.
+    /// Notes an access, and whether it meets another one. Atomic functions pass each other, but a store undoes what another
+    /// invocation added, or not, as they come.
     pub(super) fn touch<D: InMemory>(
         &mut self,
         memory: (u32, &mut Contents<D>),
         word: usize,
         party: Party,
         epoch: u32,
-        changes: bool,
+        effect: Effect,
     ) {
         let (index, contents) = memory;
         self.time += 1;
         contents.reach = contents.reach.max(word + 1);
-        let now = Touched { party, epoch, time: self.time };
+        let now = Touched { party, effect, epoch, time: self.time };
         let shared = contents.space != Space::Workgroup;
         if shared && party.access == Access::Atomic {
             self.atomics.insert(party.group, self.time);
@@ -249,7 +262,11 @@ impl Log {
         let history = &mut contents.history[word];
         let meets = |before: &Option<Touched>| {
             before.filter(|before| {
-                let both = before.party.access == Access::Atomic && party.access == Access::Atomic;
+                let undoes = matches!(
+                    (before.effect, effect),
+                    (Effect::Updated, Effect::Replaced) | (Effect::Replaced, Effect::Updated)
+                );
+                let both = before.party.access == Access::Atomic && party.access == Access::Atomic && !undoes;
                 let same = before.party.group == party.group;
                 let own = same && before.party.local == party.local;
                 let ordered = same && before.epoch != epoch;
@@ -263,7 +280,7 @@ impl Log {
         }
         if let Some(before) = met {
             let plain = before.party.access == Access::Write && party.access == Access::Write;
-            let what = if plain && !changes { Wrong::SameValue } else { Wrong::Race };
+            let what = if plain && effect == Effect::Kept { Wrong::SameValue } else { Wrong::Race };
             let incident = Incident {
                 what,
                 memory: Some(index),

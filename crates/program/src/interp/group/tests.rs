@@ -59,6 +59,7 @@ fn run(text: &str, words: u32, zeroed: bool) -> Outcome {
 const HEAD: &str = "@group(0) @binding(0) var<storage, read_write> a: array<u32>;
     @group(0) @binding(1) var<storage, read_write> n: atomic<u32>;
     var<workgroup> w: array<u32, 200>;
+    var<workgroup> v: atomic<u32>;
     @compute @workgroup_size(200) fn main(
         @builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) l: u32,
         @builtin(workgroup_id) g: vec3u) ";
@@ -81,6 +82,17 @@ fn each_fault_is_found_and_its_twin_is_silent() {
         ),
         (Wrong::Race, "a[l / 2u] = l;", "a[id.x] = l;"),
         (Wrong::Race, "a[0] = a[0] + 1u;", "atomicAdd(&n, 1u);"),
+        // A store undoes what another invocation added; one that only looks, or comes behind a barrier, is in nobody's way.
+        (
+            Wrong::Race,
+            "if (l == 0u) { atomicStore(&v, 0u); } atomicOr(&v, 1u << (l & 31u));",
+            "if (l == 0u) { atomicStore(&v, 0u); } workgroupBarrier(); atomicOr(&v, 1u << (l & 31u));",
+        ),
+        (
+            Wrong::Race,
+            "atomicAdd(&v, 1u); if (l == 0u) { atomicStore(&v, 0u); }",
+            "if (l == 0u) { atomicStore(&v, 0u); } atomicMax(&v, 0u);",
+        ),
         (Wrong::SameValue, "a[0] = 5u;", "if (id.x == 0u) { a[0] = 5u; }"),
         (Wrong::Outside, "a[id.x + 1u] = 1u;", "a[id.x] = 1u;"),
         (Wrong::Outside, "w[l + 1u] = 1u;", "if (l < 199u) { w[l + 1u] = 1u; }"),
