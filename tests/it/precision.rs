@@ -85,3 +85,12 @@ fn an_overflow_inside_of_a_split_is_no_fault_of_the_lane() {
     let ran = run_in(folder.path(), "fuzz split.glsl --samples 4096 --lane embedded --domain a=[8e34,9e34]").out;
     assert!(ran.contains("is too large for binary32") && !ran.contains("deviates"), "{ran}");
 }
+
+#[test]
+fn a_device_that_was_not_told_of_precise_is_no_miscompiler() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("sum.glsl"), pair("precise float")).unwrap();
+    let ran = run_in(folder.path(), "fuzz sum.glsl --samples 4096 --lane vulkan --domain a=[-1,1] --domain b=[-1,1]");
+    assert!(ran.out.contains("`precise` is lost") && ran.out.contains("naga"), "{}", ran.out);
+    assert!(!ran.out.contains("miscompilation"), "{}", ran.out);
+}

@@ -5,6 +5,7 @@
 
 use super::arena::{Id, MOST, Meta};
 use super::{Column, Tape};
+use program::interp::Site;
 
 /// How many registers hold each node. Node 0 is what a register holds at the start, and stays.
 #[derive(Default)]
@@ -51,7 +52,10 @@ impl Held {
 
 impl Tape<'_> {
     /// A node with columns that hold what is left from before.
-    pub(super) fn node(&mut self, meta: Meta) -> Id {
+    pub(super) fn node(&mut self, mut meta: Meta) -> Id {
+        if self.loses_precise {
+            meta.site = meta.site.map(Site::without_precise);
+        }
         let Some(tangents) = &mut self.tangents else { return self.arena.push(meta) };
         let id = match tangents.held.free.pop() {
             Some(id) => {

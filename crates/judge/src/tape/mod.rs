@@ -63,6 +63,8 @@ pub struct Literal {
 pub struct Tape<'p> {
     model: Model<'p>,
     literals: &'p [Option<Literal>],
+    /// Whether `precise` keeps nothing as it is written.
+    loses_precise: bool,
     arena: Arena,
     /// Slots in which a decision could have gone the other way, with the first place where.
     forks: [Option<Site>; SLOTS],
@@ -81,6 +83,7 @@ impl<'p> Tape<'p> {
         Self {
             model,
             literals: &[],
+            loses_precise: false,
             arena: Arena::default(),
             forks: [None; SLOTS],
             edges: [false; SLOTS],
@@ -88,6 +91,13 @@ impl<'p> Tape<'p> {
             sweep: sweep::Scratch::default(),
             tangents: None,
         }
+    }
+
+    /// A tape on which `precise` keeps nothing as it is written: what a device may do to which nobody told it.
+    #[must_use]
+    pub fn without_precise(mut self) -> Self {
+        self.loses_precise = true;
+        self
     }
 
     /// A tape on which literals have the values that their author wrote: by the number of their site,

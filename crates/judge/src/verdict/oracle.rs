@@ -224,6 +224,12 @@ impl Oracle {
     pub(super) fn tape<'p>(&'p self, model: Model<'p>) -> Machine<'p, Tape<'p>> {
         Machine::new(&self.executable, Tape::new(model).with_literals(&self.folded), self.fuel)
     }
+
+    /// The same for devices that are not told of `precise`.
+    pub(super) fn tape_without_precise<'p>(&'p self, model: Model<'p>) -> Machine<'p, Tape<'p>> {
+        let tape = Tape::new(model).with_literals(&self.folded).without_precise();
+        Machine::new(&self.executable, tape, self.fuel)
+    }
 }
 
 /// A literal as the module has it, with how far that may be from what was meant.

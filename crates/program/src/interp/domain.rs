@@ -53,6 +53,12 @@ impl Site {
         }
     }
 
+    /// The same place, with operations that may be regrouped and contracted.
+    #[must_use]
+    pub fn without_precise(self) -> Self {
+        Self(self.0 & !(1 << 30))
+    }
+
     /// True where nothing may be regrouped or contracted.
     pub fn is_precise(self) -> bool {
         self.0 >> 30 & 1 == 1

@@ -269,6 +269,7 @@ fn diagnosis(value: &mut Value, diagnosis: &Diagnosis) {
         let (kind, operation) = match origin {
             Origin::BuiltIn { op, .. } => ("built-in", Some(op.name())),
             Origin::Rearrangement => ("rearrangement", None),
+            Origin::PreciseLost { .. } => ("precise-lost", None),
             Origin::Miscompilation => ("miscompilation", None),
         };
         value["origin"] = json!({"kind": kind, "operation": operation, "message": origin.to_string()});

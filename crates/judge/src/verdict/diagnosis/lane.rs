@@ -50,7 +50,12 @@ pub fn lane(context: &JudgeContext<'_>, program: &Program, suspected: &Suspected
     }
     diagnosis.origin = Some(match built_in {
         Some(origin) => origin,
-        None if regrouped(context, program, profile, suspected) => Origin::Rearrangement,
+        None if !profile.rearrangement && regrouped(context, program, profile, suspected, false) => {
+            Origin::Rearrangement
+        }
+        None if regrouped(context, program, profile, suspected, true) => {
+            Origin::PreciseLost { front_end: suspected.lane.front_end(program) }
+        }
         None => Origin::Miscompilation,
     });
     Ok(diagnosis)
@@ -167,11 +172,18 @@ fn beyond(
     })
 }
 
-/// True when another order of sums and products explains the output, and the profile allows none.
-fn regrouped(context: &JudgeContext<'_>, program: &Program, profile: &Profile, suspected: &Suspected<'_>) -> bool {
-    let Some(value) = suspected.deviation.value().filter(|_| !profile.rearrangement) else { return false };
+/// True when another order of sums and products explains the output; also of those that are `precise` where that is lost.
+fn regrouped(
+    context: &JudgeContext<'_>,
+    program: &Program,
+    profile: &Profile,
+    suspected: &Suspected<'_>,
+    loses_precise: bool,
+) -> bool {
+    let Some(value) = suspected.deviation.value() else { return false };
     let model = Model::Device { profile, stage: suspected.stage, rearranged: true };
-    let mut machine = context.oracle.tape(model);
+    let mut machine =
+        if loses_precise { context.oracle.tape_without_precise(model) } else { context.oracle.tape(model) };
     machine.run_some(suspected.batch, &[0]);
     let layout = program.output_layout();
     let word = (0..layout.vertex.words()).find(|&word| layout.vertex.word_name(word) == value.component);

@@ -109,6 +109,12 @@ pub enum Origin {
     /// Every operation is inside its promise, and the outputs are what another order of sums and
     /// products may give; the device may not choose one.
     Rearrangement,
+    /// Every operation is inside its promise, and the outputs are what another order may give of what `precise` keeps as it
+    /// is written.
+    PreciseLost {
+        /// What translates the text for the executor.
+        front_end: String,
+    },
     /// Every operation is inside its promise, and no order of them explains the outputs.
     Miscompilation,
 }
@@ -191,6 +197,14 @@ impl fmt::Display for Origin {
             }
             Self::Rearrangement => {
                 f.write_str("rearrangement: every operation alone is right, and sums or products were regrouped")
+            }
+            Self::PreciseLost { front_end } => {
+                f.write_str("`precise` is lost: every operation alone is right, and what it keeps was regrouped")?;
+                // Known, and no fault of the driver: see `upstream/naga-precise`.
+                if front_end.starts_with("naga") {
+                    write!(f, "; {front_end} has no word for it, and tells the driver nothing")?;
+                }
+                Ok(())
             }
             Self::Miscompilation => f.write_str(
                 "miscompilation: every operation alone is right, and no order of sums and products explains the outputs",
