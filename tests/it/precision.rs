@@ -90,7 +90,8 @@ fn an_overflow_inside_of_a_split_is_no_fault_of_the_lane() {
 fn a_device_that_was_not_told_of_precise_is_no_miscompiler() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("sum.glsl"), pair("precise float")).unwrap();
-    let ran = run_in(folder.path(), "fuzz sum.glsl --samples 4096 --lane vulkan --domain a=[-1,1] --domain b=[-1,1]");
+    // The driver takes `(a + b) - a` for `b`, which shows where `b` is below half a step of `a`.
+    let ran = run_in(folder.path(), "fuzz sum.glsl --lane vulkan");
     assert!(ran.out.contains("`precise` is lost") && ran.out.contains("naga"), "{}", ran.out);
     assert!(!ran.out.contains("miscompilation"), "{}", ran.out);
 }
