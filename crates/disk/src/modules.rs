@@ -347,6 +347,10 @@ mod tests {
 
     /// Composes the first of some files, and gives the text on one line or what is told.
     fn composed(files: &[(&str, &str)], folders: &[&str]) -> String {
+        composed_by(files, folders, |modules| modules)
+    }
+
+    fn composed_by(files: &[(&str, &str)], folders: &[&str], looking: fn(Modules) -> Modules) -> String {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         for (name, text) in files {
@@ -354,7 +358,7 @@ mod tests {
             std::fs::write(at(name), text).unwrap();
         }
         let file = SourceFile::new(at(files[0].0).display().to_string(), files[0].1);
-        let mut modules = Modules::new(folders.iter().map(|name| at(name)).collect()).with_files_below();
+        let mut modules = looking(Modules::new(folders.iter().map(|name| at(name)).collect()));
         let root = format!("{}/", folder.path().display());
         let shown = |d: &Diagnostic| {
             let help = d.help.as_ref().map(ToString::to_string).unwrap_or_default();
@@ -437,12 +441,16 @@ mod tests {
 
     #[test]
     fn files_in_folders_below_are_found_by_their_names() {
+        let found = |files: &[(&str, &str)]| composed_by(files, &[], Modules::with_files_below);
         let main = ("a/main.wgsl", "#import config\nfn f() { n(); }\n");
         let here = ("a/shared/config.wgsl", "fn n() {}\n");
-        assert!(composed(&[main, here], &[]).contains("fn n()"));
+        assert!(found(&[main, here]).contains("fn n()"));
         let elsewhere = ("a/other/config.wgsl", "fn n() {}\n");
-        assert!(composed(&[main, here, elsewhere], &[]).starts_with("E070"), "two of them");
-        assert!(composed(&[main, ("b/config.wgsl", "fn n() {}\n")], &[]).starts_with("E070"), "not below");
+        let two = found(&[main, here, elsewhere]);
+        assert!(!two.contains("fn n()"), "{two}");
+        let beside = found(&[main, ("b/config.wgsl", "fn n() {}\n")]);
+        assert!(!beside.contains("fn n()"), "{beside}");
+        assert!(!composed(&[main, here], &[]).contains("fn n()"), "not asked for");
     }
 
     #[test]

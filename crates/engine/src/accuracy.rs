@@ -23,6 +23,9 @@ const LOSS: f64 = 8.0;
 /// An ULP is taken to be this at least. Devices may flush smaller numbers to zero, which is no loss of digits.
 const LEAST_ULP: f64 = f32::MIN_POSITIVE as f64;
 
+/// Bounds up to here are what may be flushed on the way, by as many operations as a shader has.
+const FLUSHED: f64 = 1024.0 * LEAST_ULP;
+
 /// Chunks that one machine does at least.
 const CHUNKS: usize = 8;
 
@@ -113,8 +116,9 @@ pub fn accuracy(
         let stands = |site| place(&ready.program, oracle.executable(), site);
         // A weak promise is no loss: `cos` of any number is off by 2⁻¹¹, and loses nothing by itself.
         let passed = (0..STEPS).filter_map(|step| limiter.culprit((0, word), slot, LEAST * 2f64.powi(step)));
-        let loses = passed.filter(|(_, condition)| *condition >= LOSS).max_by(|a, b| a.1.total_cmp(&b.1));
         let bound = limits.bounds[word * SLOTS + slot];
+        let loses = passed.filter(|(_, condition)| *condition >= LOSS && bound > FLUSHED);
+        let loses = loses.max_by(|a, b| a.1.total_cmp(&b.1));
         let most = limiter.shares((0, word), slot, 1).pop();
         Worst {
             inputs: InputValue::all(&Sample::of(&batch, sample), &ready.program),

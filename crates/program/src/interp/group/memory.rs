@@ -294,7 +294,13 @@ impl Log {
         }
         let history = &mut contents.history[word];
         if writes {
-            *history = History { write: Some(now), reads: [None; 2] };
+            // Whoever stores and then adds has stored all the same.
+            let stored = history.write.filter(|before| {
+                (before.effect, effect) == (Effect::Replaced, Effect::Updated)
+                    && (before.party.group, before.party.local) == (party.group, party.local)
+                    && (before.party.access, before.epoch) == (party.access, epoch)
+            });
+            *history = History { write: Some(stored.unwrap_or(now)), reads: [None; 2] };
         } else {
             let same = |read: &Touched| (read.party.group, read.party.local) == (party.group, party.local);
             if history.reads[0].as_ref().is_some_and(|read| !same(read)) {
