@@ -125,7 +125,7 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
             || is_at_unknown_macro(shader, &conditions, error)
             // An engine calls this `main` from its own.
             || (!versioned && error.code == errors::FUNCTION && file.slice(error.span) == "main")
-            || (joined && error.code == errors::SYNTAX && (replaced || at_macro(file, error)))
+            || (joined && error.code == errors::SYNTAX && (replaced || at_macro(shader, error)))
             // A tool may cut the text apart at its marks.
             || (replaced && error.code == errors::REDEFINITION)
             || (unknown_stage && OF_THE_STAGE.contains(&error.code))
@@ -140,11 +140,14 @@ fn is_of_the_user(file: &SourceFile, error: &Diagnostic) -> bool {
     error.code == errors::NO_OVERLOAD && BuiltinFunction::from_name(file.slice(error.span)).is_none()
 }
 
-/// True for an error at a word in capitals: a macro that another text defines.
-fn at_macro(file: &SourceFile, error: &Diagnostic) -> bool {
-    let before = file.text()[..error.span.start].trim_end();
-    let last = before.rsplit(|c: char| !c.is_ascii_alphanumeric() && c != '_').next().unwrap_or("");
-    is_macro(file.slice(error.span)) || is_macro(last)
+/// True for an error at a word in capitals, or behind one: a macro that another text defines.
+fn at_macro(shader: &Shader, error: &Diagnostic) -> bool {
+    let file = shader.file();
+    let tokens = shader.tokens();
+    // Comments and directives may stand between.
+    let before = &tokens[..tokens.partition_point(|t| t.span.end <= error.span.start)];
+    let last = before.iter().rev().find(|t| t.place == TokenPlace::Text);
+    is_macro(file.slice(error.span)) || last.is_some_and(|token| is_macro(file.slice(token.span)))
 }
 
 /// True for an error at a word in capitals that no text in sight defines: a qualifier or a type, as an engine calls it.

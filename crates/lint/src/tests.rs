@@ -337,6 +337,11 @@ fn what_a_host_puts_in_front_is_no_error() {
     assert_eq!(codes(&[input("a.cpp", &literal)]), ["E020"]);
     let joined = "#version 330\n#include \"common.glsl\"\nvoid main() { gl_Position = place(); }\n";
     assert_eq!(codes(&[input("a.vert", joined)]), [""; 0]);
+    // A macro of the included text may stand for a declaration, whatever comes behind it.
+    let pass = |between: &str| format!("#version 450\n#include \"pass.glsl\"\nPASS\n{between}\nvoid main() {{}}\n");
+    assert_eq!(codes(&[input("a.comp", &pass("// Clears all."))]), [""; 0]);
+    assert_eq!(codes(&[input("a.comp", &pass("#define FIRST 0"))]), [""; 0]);
+    assert_eq!(codes(&[input("a.comp", &pass("// Clears all.").replace("PASS", "uint"))]), ["E001"]);
     assert_eq!(codes(&[input("a.vert", "#version 330\n#defin A\nvoid main() {}\n")]), ["E010"]);
 }
 
