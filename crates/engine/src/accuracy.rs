@@ -162,7 +162,7 @@ mod tests {
 
     #[test]
     fn a_zero_that_may_be_flushed_or_is_exact_loses_no_digits() {
-        // 0 at `x = 1` and 0 everywhere else.
+        // `floor(x)` is 1 at `x = 1` and 0 elsewhere: each body gives 0 at some inputs, exactly.
         for body in ["return 1.0 - floor(x);", "return 4.0 * floor(x);"] {
             let found = worst(body);
             assert!(found.loses.is_none() && found.ulp < 16.0, "{body}: {found:?}");

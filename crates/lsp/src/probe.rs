@@ -108,7 +108,7 @@ fn cut(shader: &Shader, (index, function): (usize, &Function), id: ExprId) -> Op
             edits.push(Edit::insert(stmt.end, close));
         }
     }
-    // Statements behind a last `return` are an error in WGSL.
+    // Nothing gets past a last `return`.
     if !matches!(body.statements.last().map(|s| &s.kind), Some(StmtKind::Return(_))) {
         edits.push(Edit::insert(body.span.end.checked_sub(1)?, nothing));
     }

@@ -130,7 +130,7 @@ impl Dispatched {
                 let theirs = did(other.access);
                 let at = self.at(other.site);
                 let atomic = (incident.who.access, other.access) == (Access::Atomic, Access::Atomic);
-                let undone = if atomic { ": the store undoes what the other one does, or not" } else { "" };
+                let undone = if atomic { ": the store may undo what the other one does" } else { "" };
                 format!(
                     "race on `{place}`: {who} {own} it, and {} {theirs} it{at}, {ordered}{undone}",
                     self.invocation(other, groups)

@@ -222,13 +222,16 @@ impl Oracle {
 
     /// A machine with bounds for devices.
     pub(super) fn tape<'p>(&'p self, model: Model<'p>) -> Machine<'p, Tape<'p>> {
-        Machine::new(&self.executable, Tape::new(model).with_literals(&self.folded), self.fuel)
+        self.bounding(Tape::new(model))
     }
 
     /// The same for devices that are not told of `precise`.
     pub(super) fn tape_without_precise<'p>(&'p self, model: Model<'p>) -> Machine<'p, Tape<'p>> {
-        let tape = Tape::new(model).with_literals(&self.folded).without_precise();
-        Machine::new(&self.executable, tape, self.fuel)
+        self.bounding(Tape::new(model).without_precise())
+    }
+
+    fn bounding<'p>(&'p self, tape: Tape<'p>) -> Machine<'p, Tape<'p>> {
+        Machine::new(&self.executable, tape.with_literals(&self.folded), self.fuel)
     }
 }
 

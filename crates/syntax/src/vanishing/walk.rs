@@ -6,6 +6,7 @@ use super::Vanishing;
 use super::polynomial::{Atom, Polynomial};
 use crate::Shader;
 use crate::ast::{BinaryOp, Block, Condition, Declaration, ExprId, ExprKind, Stmt, StmtKind, UnaryOp};
+use crate::swizzle;
 use crate::symbols::{CallTarget, Direction, FunctionId, SymbolId, SymbolKind};
 use crate::types::Type;
 use base::text::Span;
@@ -140,7 +141,7 @@ impl Walk<'_> {
         self.any(symbol);
         self.values.insert((symbol, String::new()), polynomial);
         for (k, part) in parts.into_iter().enumerate() {
-            self.values.insert((symbol, ["x", "y", "z", "w"][k].to_owned()), part);
+            self.values.insert((symbol, COMPONENTS[k].to_owned()), part);
         }
     }
 
@@ -444,13 +445,14 @@ impl Walk<'_> {
     }
 }
 
-/// The name of a component of a vector, or the member.
+/// Names of the components of a vector.
+const COMPONENTS: [&str; 4] = ["x", "y", "z", "w"];
+
+/// The name of a component of a vector, whatever its set, or the member.
 fn component(field: &str, vector: bool) -> String {
-    match field {
-        "r" | "s" if vector => "x".to_owned(),
-        "g" | "t" if vector => "y".to_owned(),
-        "b" | "p" if vector => "z".to_owned(),
-        "a" | "q" if vector => "w".to_owned(),
+    let mut letters = field.chars();
+    match (letters.next().and_then(swizzle::component), letters.next()) {
+        (Some(k), None) if vector => COMPONENTS[k].to_owned(),
         _ => field.to_owned(),
     }
 }

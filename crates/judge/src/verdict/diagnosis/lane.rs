@@ -48,14 +48,13 @@ pub fn lane(context: &JudgeContext<'_>, program: &Program, suspected: &Suspected
         diagnosis.divergence = divergence(&probed, &trace, profile, suspected);
         built_in = culprit(&probed, &trace, profile, suspected)?;
     }
+    let explained = |loses_precise: bool| regrouped(context, program, profile, suspected, loses_precise);
     diagnosis.origin = Some(match built_in {
         Some(origin) => origin,
-        None if !profile.rearrangement && regrouped(context, program, profile, suspected, false) => {
-            Origin::Rearrangement
-        }
-        None if regrouped(context, program, profile, suspected, true) => {
-            Origin::PreciseLost { front_end: suspected.lane.front_end(program) }
-        }
+        // Where the profile allows another order, that alone explains nothing; and `precise` only what it alone forbids.
+        None if explained(false) && profile.rearrangement => Origin::Miscompilation,
+        None if explained(false) => Origin::Rearrangement,
+        None if explained(true) => Origin::PreciseLost { front_end: suspected.lane.front_end(program) },
         None => Origin::Miscompilation,
     });
     Ok(diagnosis)

@@ -37,7 +37,7 @@ pub enum Access {
 pub(super) enum Effect {
     /// All of it, or what does not depend on an order: a load, a store of what is there, an exchange that tells what was.
     Kept,
-    /// An atomic function added to it.
+    /// What an atomic function made of it.
     Updated,
     /// Nothing: a store.
     Replaced,
@@ -238,8 +238,8 @@ impl Log {
         self.incidents
     }
 
-    /// Notes an access, and whether it meets another one. Atomic functions pass each other, but a store undoes what another
-    /// invocation added, or not, as they come.
+    /// Notes an access, and whether it meets another one. Atomic functions may come in any order; an atomic store undoes those
+    /// that came before it.
     pub(super) fn touch<D: InMemory>(
         &mut self,
         memory: (u32, &mut Contents<D>),
