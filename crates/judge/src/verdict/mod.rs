@@ -16,6 +16,7 @@ mod observe;
 mod open;
 mod oracle;
 mod parallel;
+mod passes;
 mod reading;
 mod reference;
 mod rounded;
@@ -41,6 +42,7 @@ pub use judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, 
 pub use limits::{Limiter, Limits, Meant, Roundoff, Wanted};
 pub use observe::{meaning, meaning_whole, observe, observe_whole};
 pub use oracle::{JudgeContext, Oracle};
+pub use passes::Passes;
 pub use reference::{Expected, Given, GivenRule, MEANING, Recorded, RecordedRow, Reference, ReferenceError};
 pub use rounded::{Literals, Rounded};
 pub use rounding::{Effect, effects};

@@ -3,6 +3,7 @@
 use super::judge::real;
 use super::oracle::JudgeContext;
 use super::parallel::parts;
+use super::passes::Passes;
 use crate::profile::Promises;
 use crate::tape::{Cell, Model, Tape};
 use base::value::{Batch, Scalar};
@@ -74,34 +75,29 @@ pub fn meaning(context: &JudgeContext<'_>, batch: &Batch) -> Vec<Observed> {
     chunks.into_iter().flatten().collect()
 }
 
-/// What [`observe`] gives of large dispatches: how far a word may be off is the radius that goes with it through memory.
+/// What [`observe`] gives of a large dispatch: how far a word may be off is the radius that goes with it through memory.
 ///
 /// # Errors
 /// [`InterpError`] for what is no large dispatch.
-pub fn observe_whole(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) -> Result<Vec<Observed>, InterpError> {
-    let one = |invocation| {
-        let ran = context.oracle.authored_whole(context.lenient(), batch, invocation)?;
-        let words = actual.vertex(invocation, 0);
-        let absent = actual.is_absent(invocation);
-        let value = |word: usize, scalar| if absent { f64::NAN } else { real(words[word], scalar) };
-        Ok(of_words(context, &ran, |word, scalar| (value(word, scalar), absent)))
-    };
-    (0..batch.invocation_count()).map(one).collect()
+pub fn observe_whole(passes: &Passes<'_>, actual: &Actual) -> Result<Observed, InterpError> {
+    let context = passes.context();
+    let ran = passes.authored(context.lenient())?;
+    let words = actual.vertex(0, 0);
+    let absent = actual.is_absent(0);
+    let value = |word: usize, scalar| if absent { f64::NAN } else { real(words[word], scalar) };
+    Ok(of_words(context, &ran, |word, scalar| (value(word, scalar), absent)))
 }
 
-/// What [`meaning`] gives of large dispatches.
+/// What [`meaning`] gives of a large dispatch.
 ///
 /// # Errors
 /// [`InterpError`] for what is no large dispatch.
-pub fn meaning_whole(context: &JudgeContext<'_>, batch: &Batch) -> Result<Vec<Observed>, InterpError> {
-    let one = |invocation| {
-        let ran = context.oracle.ideal_device_whole(strict(), batch, invocation)?;
-        Ok(of_words(context, &ran, |word, scalar| match scalar {
-            Scalar::F32 => (ran.cells[word].value, false),
-            scalar => (real(ran.words[word], scalar), false),
-        }))
-    };
-    (0..batch.invocation_count()).map(one).collect()
+pub fn meaning_whole(passes: &Passes<'_>) -> Result<Observed, InterpError> {
+    let ran = passes.ideal_device(strict())?;
+    Ok(of_words(passes.context(), &ran, |word, scalar| match scalar {
+        Scalar::F32 => (ran.cells[word].value, false),
+        scalar => (real(ran.words[word], scalar), false),
+    }))
 }
 
 /// The outputs of a large dispatch. `value` gives a word with whether nothing is known of it.

@@ -105,6 +105,21 @@ impl Oracle {
         &self.executable
     }
 
+    /// Literals as their author wrote them, where that is another number than the module's.
+    pub(super) fn written(&self) -> &[Option<Literal>] {
+        &self.literals
+    }
+
+    /// The module's binary32 in place of each literal, off by what its author wrote.
+    pub(super) fn rounded(&self) -> &[Option<Literal>] {
+        &self.rounded
+    }
+
+    /// The module's binary32 in place of each literal, off by what other front ends make of a constant expression.
+    pub(super) fn folded(&self) -> &[Option<Literal>] {
+        &self.folded
+    }
+
     /// True when some literal is no binary32 number.
     pub(super) fn has_rounded_literals(&self) -> bool {
         self.ideal.is_some()
@@ -173,44 +188,15 @@ impl Oracle {
     /// # Errors
     /// As of [`Executable::run_whole`].
     pub(super) fn ideal_whole(&self, batch: &Batch, invocation: usize) -> Result<Ran<Cell>, InterpError> {
-        self.radii((Model::Binary64, &self.literals), batch, invocation)
+        self.whole((Model::Binary64, &self.literals), batch, invocation)
     }
 
-    /// The same with how far a device may be from it.
+    /// A large dispatch with radii by a model, with something in the place of its literals. [`Passes`](super::Passes) runs
+    /// each but once.
     ///
     /// # Errors
     /// As of [`Executable::run_whole`].
-    pub(super) fn whole(&self, model: Model<'_>, batch: &Batch, invocation: usize) -> Result<Ran<Cell>, InterpError> {
-        self.radii((model, &self.folded), batch, invocation)
-    }
-
-    /// The same, where the rounding of a literal counts as an error of its own: what [`Oracle::authored_tape`] is.
-    ///
-    /// # Errors
-    /// As of [`Executable::run_whole`].
-    pub(super) fn authored_whole(
-        &self,
-        model: Model<'_>,
-        batch: &Batch,
-        invocation: usize,
-    ) -> Result<Ran<Cell>, InterpError> {
-        self.radii((model, &self.rounded), batch, invocation)
-    }
-
-    /// The same for a device that had the literals exactly: what [`Oracle::ideal_device_tape`] is.
-    ///
-    /// # Errors
-    /// As of [`Executable::run_whole`].
-    pub(super) fn ideal_device_whole(
-        &self,
-        model: Model<'_>,
-        batch: &Batch,
-        invocation: usize,
-    ) -> Result<Ran<Cell>, InterpError> {
-        self.radii((model, &self.literals), batch, invocation)
-    }
-
-    fn radii(
+    pub(super) fn whole(
         &self,
         (model, literals): (Model<'_>, &[Option<Literal>]),
         batch: &Batch,

@@ -8,6 +8,7 @@ use super::batch::BatchVerdict;
 use super::fit::NEAR;
 use super::judge::{Blame, Deviation, Doubt, Reason, Value, Verdict, What, real};
 use super::oracle::JudgeContext;
+use super::passes::Passes;
 use super::reference::Expected;
 use super::second_pass::{TWO_WAYS, USELESS};
 use crate::profile::grid::MIN_NORMAL;
@@ -17,27 +18,15 @@ use program::interp::InterpError;
 use program::interp::group::Ran;
 use program::lane::Actual;
 
-/// Judges every invocation of a batch, each of which is a large dispatch. One of which at most the share `open` of the words
-/// stays undetermined agrees by the others.
+/// Judges a large dispatch. One of which at most the share `open` of the words stays undetermined agrees by the others.
 ///
 /// # Errors
 /// [`InterpError`] for what is no large dispatch.
-///
-/// # Panics
-/// When `actual` is not of this batch: a defect of the caller.
-pub fn judge_whole(
-    context: &JudgeContext<'_>,
-    batch: &Batch,
-    actual: &Actual,
-    open: f64,
-) -> Result<BatchVerdict, InterpError> {
-    assert_eq!(actual.count(), batch.invocation_count(), "outputs of another batch");
+pub fn judge_whole(passes: &Passes<'_>, actual: &Actual, open: f64) -> Result<BatchVerdict, InterpError> {
+    let (verdict, ulp) = one(passes, actual, open)?;
     let mut all = BatchVerdict::default();
-    for invocation in 0..batch.invocation_count() {
-        let (verdict, ulp) = one(context, batch, actual, invocation, open)?;
-        all.count(invocation, verdict);
-        all.max_ulp = all.max_ulp.max(ulp);
-    }
+    all.count(0, verdict);
+    all.max_ulp = ulp;
     Ok(all)
 }
 
@@ -59,36 +48,27 @@ pub fn work_of_whole(context: &JudgeContext<'_>, batch: &Batch, invocation: usiz
     Ok(Work { shader, reference: context.reference.rounds_of_whole(batch, invocation)? })
 }
 
-/// The verdict on one dispatch, with the largest error of a word that is right.
-fn one(
-    context: &JudgeContext<'_>,
-    batch: &Batch,
-    actual: &Actual,
-    invocation: usize,
-    share: f64,
-) -> Result<(Verdict, f64), InterpError> {
-    let oracle = context.oracle;
+/// The verdict on a dispatch, with the largest error of a word that is right.
+fn one(passes: &Passes<'_>, actual: &Actual, share: f64) -> Result<(Verdict, f64), InterpError> {
+    let (context, batch) = (passes.context(), passes.batch());
     let tiers = context.tiers();
     let Some(&(_, model)) = tiers.first() else {
         return Ok((Verdict::Undetermined(Doubt::of(Reason::NoPromise)), 0.0));
     };
-    let (device, expected) = rayon::join(
-        || oracle.whole(model, batch, invocation),
-        || context.reference.expect_whole(batch, invocation, false),
-    );
+    let (device, expected) =
+        rayon::join(|| passes.device(model), || context.reference.expect_whole(batch, 0, false));
     let (mut device, expected) = (device?, expected?);
     if !device.whole {
         return Ok((Verdict::Undetermined(Doubt::of(Reason::LongLoop)), 0.0));
     }
-    let words = Words { context, actual, invocation };
+    let words = Words { context, actual };
     let against = match words.is_expected(&device, &expected, batch)? {
         true => Looked { open: vec![None; device.words.len()], ..Looked::default() },
         false => {
-            let (meaning, expected) = rayon::join(
-                || oracle.ideal_whole(batch, invocation),
-                || context.reference.expect_whole(batch, invocation, true),
-            );
-            words.against_expected(&meaning?, &expected?)
+            let (meaning, expected) =
+                rayon::join(|| passes.ideal(), || context.reference.expect_whole(batch, 0, true));
+            let (meaning, expected) = (meaning?, expected?);
+            words.against_expected(&meaning, &expected)
         }
     };
     if let Some(deviation) = against.deviation {
@@ -97,7 +77,7 @@ fn one(
     let mut last = None;
     for (tier, (promise, model)) in tiers.into_iter().enumerate() {
         if tier > 0 {
-            device = oracle.whole(model, batch, invocation)?;
+            device = passes.device(model)?;
         }
         let found = words.against_device(&device);
         let mut counts = [0_usize; Reason::ALL.len()];
@@ -133,7 +113,6 @@ struct Looked {
 struct Words<'a> {
     context: &'a JudgeContext<'a>,
     actual: &'a Actual,
-    invocation: usize,
 }
 
 /// The largest value of a variable.
@@ -149,7 +128,7 @@ impl Words<'_> {
         }
         // Where a literal is no binary32 number, the meaning is another one.
         let oracle = self.context.oracle;
-        let own = oracle.has_rounded_literals().then(|| oracle.plain_whole(batch, self.invocation)).transpose()?;
+        let own = oracle.has_rounded_literals().then(|| oracle.plain_whole(batch, 0)).transpose()?;
         let real_of = |word: usize| own.as_ref().map_or(device.cells[word].value, |own| own.cells[word]);
         let words = own.as_ref().map_or(&device.words, |own| &own.words);
         Ok(self.context.reference.outputs.iter().all(|output| {
@@ -168,7 +147,7 @@ impl Words<'_> {
             vertex: None,
             expected,
             meaning,
-            actual: self.actual.vertex(self.invocation, 0)[word],
+            actual: self.actual.vertex(0, 0)[word],
             scalar: record.scalar_of(word),
             bound,
         };
@@ -207,7 +186,7 @@ impl Words<'_> {
     /// What the lane wrote, against what the shader means to a device.
     fn against_device(&self, device: &Ran<Cell>) -> Looked {
         let layout = &self.actual.layout().vertex;
-        let found = self.actual.vertex(self.invocation, 0);
+        let found = self.actual.vertex(0, 0);
         let mut looked = Looked { open: vec![None; found.len()], ..Looked::default() };
         if !device.whole {
             looked.open.fill(Some(Reason::LongLoop));

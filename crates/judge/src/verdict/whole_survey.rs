@@ -2,11 +2,12 @@
 
 use super::judge::agrees;
 use super::oracle::JudgeContext;
+use super::passes::Passes;
 use super::survey::{OfSample, Survey};
 use super::tightness::{Gauge, Word, Worst, keep_worse};
 use crate::profile::grid::MIN_NORMAL;
 use crate::tape::Model;
-use base::value::{Batch, Record, Scalar};
+use base::value::{Record, Scalar};
 use program::interp::InterpError;
 use program::lane::Actual;
 
@@ -22,17 +23,17 @@ pub struct WholeSurvey {
 }
 
 impl WholeSurvey {
-    /// Looks at the first invocation of a batch. What the judge tells of is left out: words that are no numbers, or of which
+    /// Looks at a large dispatch. What the judge tells of is left out: words that are no numbers, or of which
     /// nothing is known, and variables below the normal range.
     ///
     /// # Errors
     /// [`InterpError`] for what is no large dispatch.
-    pub fn see(&mut self, context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) -> Result<(), InterpError> {
-        let record = &actual.layout().vertex;
+    pub fn see<'a>(&mut self, passes: &Passes<'a>, actual: &Actual) -> Result<(), InterpError> {
+        let (context, record) = (passes.context(), &actual.layout().vertex);
         // Figures of one dispatch say more than those of some: where terms cancel, errors and bounds differ by magnitudes.
-        let own = |all: &mut Gauge, model: Model<'_>| -> Result<(Option<Worst>, Option<f64>), InterpError> {
+        let own = |all: &mut Gauge, model: Model<'a>| -> Result<(Option<Worst>, Option<f64>), InterpError> {
             let mut one = Gauge::default();
-            let beyond = gauge(&mut one, context, model, batch, actual)?;
+            let beyond = gauge(&mut one, passes, model, actual)?;
             all.merge(one.clone());
             Ok((beyond, one.read("", record).median_over_largest()))
         };
@@ -69,15 +70,19 @@ impl WholeSurvey {
 }
 
 /// Gauges the words by a model. Gives the one that is farthest beyond its bound.
-fn gauge(
+fn gauge<'a>(
     gauge: &mut Gauge,
-    context: &JudgeContext<'_>,
-    model: Model<'_>,
-    batch: &Batch,
+    passes: &Passes<'a>,
+    model: Model<'a>,
     actual: &Actual,
 ) -> Result<Option<Worst>, InterpError> {
     let mut beyond = None;
-    let device = context.oracle.whole(model, batch, 0)?;
+    let record = &actual.layout().vertex;
+    // Whole numbers have no bounds.
+    if record.fields().iter().all(|field| field.shape.scalar != Scalar::F32) {
+        return Ok(None);
+    }
+    let device = passes.device(model)?;
     let (record, found) = (&actual.layout().vertex, actual.vertex(0, 0));
     for field in 0..record.fields().len() {
         let is_known = |word: &usize| {

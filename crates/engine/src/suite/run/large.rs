@@ -16,7 +16,7 @@ use super::part::{Counted, Part, Terms};
 use super::sampling::Sampled;
 use super::{Prepared, Request, Share, relate};
 use base::value::Batch;
-use judge::verdict::{JudgeContext, WholeSurvey, judge_whole};
+use judge::verdict::{JudgeContext, Passes, WholeSurvey, judge_whole};
 use lanes::{Lane, LaneError, Stage, interrupt};
 use program::Kernel;
 use program::interp::InterpError;
@@ -58,9 +58,10 @@ pub(super) fn run(
     let mut judge = |counted: &mut Counted, number: u64, batch: &Batch| -> Result<(), LaneError> {
         let actual = runner.run(batch)?;
         let told = |error: InterpError| LaneError::Unsupported(error.locate(&prepared.program));
-        let mut verdict = judge_whole(&context, batch, &actual, suite.floors.undetermined).map_err(told)?;
+        let passes = Passes::new(context, batch);
+        let mut verdict = judge_whole(&passes, &actual, suite.floors.undetermined).map_err(told)?;
         if number < surveyed {
-            survey.see(&context, batch, &actual).map_err(told)?;
+            survey.see(&passes, &actual).map_err(told)?;
         }
         // What was cut short says nothing.
         if interrupt::asked() {

@@ -236,6 +236,7 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
         }
     }
 
+    #[inline]
     fn touch(&mut self, access: &MemoryAccess, k: usize, slot: usize, word: usize, touch: Access, effect: Effect) {
         let who = Party { group: self.number, local: (k * SLOTS + slot) as u32, access: touch, site: access.site };
         let contents = &mut self.contents[access.memory as usize];

@@ -144,6 +144,11 @@ impl<D: InMemory> Contents<D> {
         self.bits.len()
     }
 
+    /// Whether it is remembered who touched its words.
+    pub(super) fn is_watched(&self) -> bool {
+        !self.history.is_empty()
+    }
+
     pub(super) fn bits(&self, word: usize) -> u32 {
         self.bits[word]
     }
@@ -249,14 +254,17 @@ impl Log {
         effect: Effect,
     ) {
         let (index, contents) = memory;
-        self.time += 1;
         contents.reach = contents.reach.max(word + 1);
+        if !contents.is_watched() {
+            return;
+        }
+        self.time += 1;
         let now = Touched { party, effect, epoch, time: self.time };
         let shared = contents.space != Space::Workgroup;
         if shared && party.access == Access::Atomic {
             self.atomics.insert(party.group, self.time);
         }
-        if contents.space == Space::Uniform || contents.history.is_empty() {
+        if contents.space == Space::Uniform {
             return;
         }
         let history = &mut contents.history[word];

@@ -6,7 +6,7 @@ use super::super::finding::{self, Finding, FindingKind};
 use super::super::part::Part;
 use super::super::relate::{self, Outcome};
 use super::super::{Prepared, Request};
-use judge::verdict::{JudgeContext, meaning_whole, observe_whole};
+use judge::verdict::{JudgeContext, Passes, meaning_whole, observe_whole};
 use lanes::{LaneError, Runner, interrupt};
 use program::interp::InterpError;
 use property::{Claim, Observed, Relation, Sample};
@@ -19,7 +19,7 @@ pub(super) struct Laws<'a> {
 }
 
 /// Gives the outputs of one of the inputs of a relation, by its number.
-type See<'s> = dyn Fn(&JudgeContext<'_>, usize) -> Result<Vec<Observed>, InterpError> + 's;
+type See<'s> = dyn Fn(&Passes<'_>, usize) -> Result<Observed, InterpError> + 's;
 
 /// A relation that does not hold.
 struct Broken {
@@ -83,15 +83,24 @@ impl Laws<'_> {
         if inputs.is_empty() {
             return Ok(None);
         }
-        // One after the other: each has buffers of its own.
+        // One after the other on the lane: each has buffers of its own.
         let batches: Vec<_> = inputs.iter().map(|input| Sample::batch(std::slice::from_ref(input))).collect();
-        let meant = self.read(relation, &inputs, &|context, input| meaning_whole(context, &batches[input]))?;
+        let passes: Vec<_> = batches.iter().map(|batch| Passes::new(self.context, batch)).collect();
+        let mut ran = Vec::with_capacity(batches.len());
+        // While the lane runs, the interpreter goes through them.
+        rayon::in_place_scope(|scope| {
+            for passes in &passes {
+                // An error is told where the result is asked for.
+                scope.spawn(|_| drop(meaning_whole(passes)));
+            }
+            ran.extend(batches.iter().map(|batch| self.runner.run(batch)));
+        });
+        let meant = self.read(relation, &inputs, &passes, &|passes, _| meaning_whole(passes))?;
         if matches!(meant, Outcome::Fails(_)) {
             return Ok(Some((meant, "in what the shader means")));
         }
-        let actual = batches.iter().map(|batch| self.runner.run(batch)).collect::<Result<Vec<_>, _>>()?;
-        let seen =
-            self.read(relation, &inputs, &|context, input| observe_whole(context, &batches[input], &actual[input]))?;
+        let actual = ran.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let seen = self.read(relation, &inputs, &passes, &|passes, input| observe_whole(passes, &actual[input]))?;
         Ok(match (meant, seen) {
             (Outcome::Silent, Outcome::Silent) => None,
             (meant, Outcome::Silent) => Some((meant, "")),
@@ -102,21 +111,28 @@ impl Laws<'_> {
 
     /// What a relation says of the shader as it is written, and where it fails, by the first reading of its literals by which
     /// it does not.
-    fn read(&self, relation: &dyn Relation, inputs: &[Sample], see: &See<'_>) -> Result<Outcome, LaneError> {
-        let judge = |context: &JudgeContext<'_>| -> Result<Outcome, LaneError> {
+    fn read(
+        &self,
+        relation: &dyn Relation,
+        inputs: &[Sample],
+        passes: &[Passes<'_>],
+        see: &See<'_>,
+    ) -> Result<Outcome, LaneError> {
+        let judge = |passes: &[Passes<'_>]| -> Result<Outcome, LaneError> {
             let mut outputs = Vec::with_capacity(inputs.len());
-            for input in 0..inputs.len() {
+            for (input, passes) in passes.iter().enumerate() {
                 let told = |error: InterpError| LaneError::Unsupported(error.locate(&self.prepared.program));
-                outputs.extend(see(context, input).map_err(told)?);
+                outputs.push(see(passes, input).map_err(told)?);
             }
             Ok(relate::judge(relation, inputs, &outputs))
         };
-        let written = judge(&self.context)?;
+        let written = judge(passes)?;
         if !matches!(written, Outcome::Fails(_)) {
             return Ok(written);
         }
         for reading in self.context.readings() {
-            match judge(&reading)? {
+            let passes: Vec<_> = passes.iter().map(|passes| passes.by(reading)).collect();
+            match judge(&passes)? {
                 Outcome::Fails(_) => {}
                 Outcome::Holds | Outcome::HoldsAsMeant => return Ok(Outcome::HoldsAsMeant),
                 Outcome::Silent => return Ok(Outcome::Silent),
