@@ -18,7 +18,12 @@ pub struct Cell {
     pub value: f64,
     /// How far a device's may be from it.
     pub radius: f64,
+    /// Binary32 numbers between which it lies on a device; infinite where they are not known.
+    pub ends: [f32; 2],
 }
+
+/// Ends of which nothing is known.
+pub(super) const UNKNOWN: [f32; 2] = [f32::NEG_INFINITY, f32::INFINITY];
 
 /// What atomic functions added to a word, in any order: no partial sum is larger than all sizes together, and each rounds
 /// once.
@@ -58,7 +63,8 @@ impl InMemory for Tape<'_> {
     type Sum = Sum;
 
     fn cell(bits: u32) -> Cell {
-        Cell { value: f64::from(f32::from_bits(bits)), radius: 0.0 }
+        let value = f32::from_bits(bits);
+        Cell { value: f64::from(value), radius: 0.0, ends: [value; 2] }
     }
 
     fn bits(cell: Cell) -> u32 {
@@ -66,12 +72,15 @@ impl InMemory for Tape<'_> {
     }
 
     fn kept(&self, column: &Column, slot: usize) -> Cell {
-        let at = self.id(column) as usize;
-        Cell { value: self.arena.value.get(at)[slot], radius: self.arena.radius.get(at)[slot] }
+        let id = self.id(column);
+        let at = id as usize;
+        let (value, radius) = (self.arena.value.get(at)[slot], self.arena.radius.get(at)[slot]);
+        Cell { value, radius, ends: self.ends(id, slot) }
     }
 
     fn put(&mut self, mask: &Mask, cells: &[Cell; SLOTS], to: &mut Column) {
-        let before = self.id(to) as usize;
+        let old = self.id(to);
+        let before = old as usize;
         let (mut values, mut radii) = (*self.arena.value.get(before), *self.arena.radius.get(before));
         mask.each(|slot| (values[slot], radii[slot]) = (cells[slot].value, cells[slot].radius));
         let id = self.leaf(|value| *value = values);
@@ -83,6 +92,11 @@ impl InMemory for Tape<'_> {
             *self.arena.local.get_mut(at) = radii;
             // A size is one with its radius.
             self.group(id);
+            self.bracket(id);
+            if self.brackets.is_some() {
+                let ends = [0, 1].map(|end| std::array::from_fn(|slot| f64::from(cells[slot].ends[end])));
+                self.bracket_by(id, old, mask, &ends);
+            }
         }
         self.hold(to, id);
     }
@@ -91,16 +105,16 @@ impl InMemory for Tape<'_> {
         let (a, b) = (old.value, value.value);
         let most = old.radius.max(value.radius);
         match op {
-            RealCombine::Add => Cell { value: a + b, radius: sum.radius(&self.model, old, value) },
-            RealCombine::Subtract => Cell { value: a - b, radius: sum.radius(&self.model, old, value) },
-            RealCombine::Min => Cell { value: a.min(b), radius: most },
-            RealCombine::Max => Cell { value: a.max(b), radius: most },
+            RealCombine::Add => Cell { value: a + b, radius: sum.radius(&self.model, old, value), ends: UNKNOWN },
+            RealCombine::Subtract => Cell { value: a - b, radius: sum.radius(&self.model, old, value), ends: UNKNOWN },
+            RealCombine::Min => Cell { value: a.min(b), radius: most, ends: UNKNOWN },
+            RealCombine::Max => Cell { value: a.max(b), radius: most, ends: UNKNOWN },
             RealCombine::Exchange => value,
         }
     }
 
     fn passing(cell: Cell) -> Cell {
-        Cell { radius: f64::INFINITY, ..cell }
+        Cell { radius: f64::INFINITY, ends: UNKNOWN, ..cell }
     }
 
     fn doubted(&self, slot: usize) -> Option<Site> {

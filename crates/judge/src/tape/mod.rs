@@ -12,6 +12,7 @@
 //! within its radius counts as an error of that operation, and nothing before it counts.
 
 mod arena;
+mod brackets;
 mod columns;
 mod decay;
 mod decision;
@@ -75,6 +76,8 @@ pub struct Tape<'p> {
     sweep: sweep::Scratch,
     /// Displacements, where they are wanted.
     tangents: Option<tangent::Tangents>,
+    /// Binary32 numbers between which values lie, where they are wanted and known.
+    brackets: Option<brackets::Brackets>,
 }
 
 impl<'p> Tape<'p> {
@@ -90,6 +93,7 @@ impl<'p> Tape<'p> {
             given_up: [None; SLOTS],
             sweep: sweep::Scratch::default(),
             tangents: None,
+            brackets: None,
         }
     }
 
@@ -182,6 +186,7 @@ impl<'p> Tape<'p> {
         self.lower(id);
         self.group(id);
         self.move_on(id);
+        self.bracket(id);
     }
 
     /// True when some slot of a column may be subnormal, and a device may take it for zero.
@@ -229,6 +234,7 @@ impl Domain for Tape<'_> {
             self.arena.exact[at] = false;
             self.arena.local.get_mut(at).fill(literal.slack);
             self.arena.radius.get_mut(at).fill(literal.slack);
+            self.bracket(id);
         }
         self.hold(out, id);
     }
@@ -359,6 +365,7 @@ impl Domain for Tape<'_> {
             let meta = &mut self.arena.nodes[at];
             (meta.exact, meta.op, meta.site) = (exact, Some(Op::Convert), Some(site));
             self.lower(id);
+            self.bracket(id);
         }
         self.hold(out, id);
     }

@@ -75,6 +75,20 @@ impl<'p> Model<'p> {
         matches!(self, Self::Device { rearranged: true, .. })
     }
 
+    /// True where an operation of the source is rounded to nearest by itself, whatever its arguments are: in the order that
+    /// is written, fused with no other.
+    pub(super) fn rounds_to_nearest(&self, op: Op) -> bool {
+        let Self::Device { profile, rearranged: false, .. } = self else { return false };
+        profile.rounding == Rounding::NearestEven
+            && !profile.contraction
+            && match profile.entry(op) {
+                Entry::Promised(pieces) => {
+                    matches!(&pieces[..], [Piece { rule: Rule::Rounded, domain }] if domain.is_empty())
+                }
+                Entry::Measured(table) => table.rounds(),
+            }
+    }
+
     /// How much of the value one rounding is.
     pub(super) fn unit(&self) -> f64 {
         match self {

@@ -58,6 +58,7 @@ impl Tape<'_> {
     /// A function of one number, by the definition that it inherits from where it has one.
     fn function1(&mut self, site: Site, op: Op, active: &Mask, a: Id) -> Id {
         let Some((definition, or)) = self.model.definition(op) else { return self.one(site, op, active, a) };
+        self.enter();
         let id = match definition {
             Definition::SqrtByInverseSqrt => self.one(site, op, active, a),
             Definition::SinOverCos => {
@@ -126,6 +127,7 @@ impl Tape<'_> {
             | Definition::FaceForwardByDot
             | Definition::MatrixBySums => self.one(site, op, active, a),
         };
+        self.leave();
         self.inherited(site, op, id, or)
     }
 
@@ -147,6 +149,7 @@ impl Tape<'_> {
             _ => {}
         }
         let Some((definition, or)) = self.model.definition(op) else { return self.two(site, op, active, a, b) };
+        self.enter();
         let id = match definition {
             Definition::RemByTrunc | Definition::ModByFloor => {
                 let whole = if definition == Definition::RemByTrunc { Op::Trunc } else { Op::Floor };
@@ -157,6 +160,7 @@ impl Tape<'_> {
             }
             _ => self.two(site, op, active, a, b),
         };
+        self.leave();
         self.inherited(site, op, id, or)
     }
 
@@ -178,10 +182,13 @@ impl Tape<'_> {
     fn normal_scale(&mut self, site: Site, active: &Mask, a: Id) -> Id {
         match self.model.definition(Op::Normalize) {
             Some((Definition::NormalizeByLength, _)) => {
+                self.enter();
                 let length = self.function1(site, Op::Sqrt, active, a);
                 let one = self.number(1.0);
                 // x/length(x) is rounded once, x·(1/length(x)) twice: the bound covers both.
-                self.two(site, Op::Div, active, one, length)
+                let scale = self.two(site, Op::Div, active, one, length);
+                self.leave();
+                scale
             }
             _ => self.one(site, Op::InverseSqrt, active, a),
         }
@@ -245,6 +252,7 @@ impl Tape<'_> {
         });
         let id = self.identity(Some(site), Some(Op::Convert), a, &error);
         *self.arena.value.get_mut(id as usize) = values;
+        self.bracket(id);
         id
     }
 

@@ -106,7 +106,7 @@ fn of_words(context: &JudgeContext<'_>, ran: &Ran<Cell>, value: impl Fn(usize, S
     for output in &context.reference.seen {
         for word in output.actual.clone() {
             let (seen, unknown) = value(word, output.scalar);
-            let Cell { value, radius } = ran.cells[word];
+            let Cell { value, radius, .. } = ran.cells[word];
             let open = unknown || ran.open[word] || !ran.whole;
             observed.words.push(seen);
             observed.slack.push(match output.scalar {

@@ -188,21 +188,25 @@ impl Oracle {
     /// # Errors
     /// As of [`Executable::run_whole`].
     pub(super) fn ideal_whole(&self, batch: &Batch, invocation: usize) -> Result<Ran<Cell>, InterpError> {
-        self.whole((Model::Binary64, &self.literals), batch, invocation)
+        self.whole((Model::Binary64, &self.literals), false, batch, invocation)
     }
 
-    /// A large dispatch with radii by a model, with something in the place of its literals. [`Passes`](super::Passes) runs
-    /// each but once.
+    /// A large dispatch with radii by a model, with something in the place of its literals; `bracketed` with what is known of
+    /// a device that rounds to nearest. [`Passes`](super::Passes) runs each but once.
     ///
     /// # Errors
     /// As of [`Executable::run_whole`].
     pub(super) fn whole(
         &self,
         (model, literals): (Model<'_>, &[Option<Literal>]),
+        bracketed: bool,
         batch: &Batch,
         invocation: usize,
     ) -> Result<Ran<Cell>, InterpError> {
-        let tape = || Tape::new(model).with_literals(literals).with_radii();
+        let tape = || {
+            let tape = Tape::new(model).with_literals(literals).with_radii();
+            if bracketed { tape.with_brackets() } else { tape }
+        };
         self.executable.run_whole(batch, invocation, 0, tape)
     }
 

@@ -17,6 +17,8 @@ use program::interp::group::Ran;
 struct Domain<'a> {
     model: Model<'a>,
     literals: &'a [Option<Literal>],
+    /// A device that rounds to nearest is known to the bit.
+    bracketed: bool,
 }
 
 impl Domain<'_> {
@@ -29,7 +31,7 @@ impl Domain<'_> {
             ) => ptr::eq(profile, profile2) && (stage, rearranged) == (stage2, rearranged2),
             (Model::Binary64, Model::Device { .. }) | (Model::Device { .. }, Model::Binary64) => false,
         };
-        same && self.literals == other.literals
+        same && self.literals == other.literals && self.bracketed == other.bracketed
     }
 }
 
@@ -61,31 +63,31 @@ impl<'a> Passes<'a> {
         self.batch
     }
 
-    /// How far a device may be from what the module means.
+    /// How far a device may be from what the module means: one that rounds to nearest is known to the bit.
     ///
     /// # Errors
     /// As of [`Executable::run_whole`](program::interp::Executable::run_whole), here and below.
     pub(super) fn device(&self, model: Model<'a>) -> Result<Arc<Ran<Cell>>, InterpError> {
-        self.ask(model, self.context.oracle.folded())
+        self.ask(Domain { model, literals: self.context.oracle.folded(), bracketed: true })
     }
 
-    /// The same, where the rounding of a literal counts as an error of its own.
+    /// How far a device may be off at the most, where the rounding of a literal counts as an error of its own: inputs that are
+    /// related were rounded as well, and the luck of one of them is none of another.
     pub(super) fn authored(&self, model: Model<'a>) -> Result<Arc<Ran<Cell>>, InterpError> {
-        self.ask(model, self.context.oracle.rounded())
+        self.ask(Domain { model, literals: self.context.oracle.rounded(), bracketed: false })
     }
 
     /// The same for a device that had the literals exactly.
     pub(super) fn ideal_device(&self, model: Model<'a>) -> Result<Arc<Ran<Cell>>, InterpError> {
-        self.ask(model, self.context.oracle.written())
+        self.ask(Domain { model, literals: self.context.oracle.written(), bracketed: false })
     }
 
     /// What the author wrote, with how far binary64 is from it.
     pub(super) fn ideal(&self) -> Result<Arc<Ran<Cell>>, InterpError> {
-        self.ask(Model::Binary64, self.context.oracle.written())
+        self.ask(Domain { model: Model::Binary64, literals: self.context.oracle.written(), bracketed: false })
     }
 
-    fn ask(&self, model: Model<'a>, literals: &'a [Option<Literal>]) -> Result<Arc<Ran<Cell>>, InterpError> {
-        let domain = Domain { model, literals };
+    fn ask(&self, domain: Domain<'a>) -> Result<Arc<Ran<Cell>>, InterpError> {
         let oracle = self.context.oracle;
         let integers = !oracle.executable().has_reals();
         let known = {
@@ -95,7 +97,8 @@ impl<'a> Passes<'a> {
         if let Some(known) = known {
             return Ok(known);
         }
-        let new = Arc::new(oracle.whole((model, literals), self.batch, 0)?);
+        let Domain { model, literals, bracketed } = domain;
+        let new = Arc::new(oracle.whole((model, literals), bracketed, self.batch, 0)?);
         self.ran.lock().unwrap_or_else(PoisonError::into_inner).push((domain, Arc::clone(&new)));
         Ok(new)
     }

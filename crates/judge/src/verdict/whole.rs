@@ -55,8 +55,7 @@ fn one(passes: &Passes<'_>, actual: &Actual, share: f64) -> Result<(Verdict, f64
     let Some(&(_, model)) = tiers.first() else {
         return Ok((Verdict::Undetermined(Doubt::of(Reason::NoPromise)), 0.0));
     };
-    let (device, expected) =
-        rayon::join(|| passes.device(model), || context.reference.expect_whole(batch, 0, false));
+    let (device, expected) = rayon::join(|| passes.device(model), || context.reference.expect_whole(batch, 0, false));
     let (mut device, expected) = (device?, expected?);
     if !device.whole {
         return Ok((Verdict::Undetermined(Doubt::of(Reason::LongLoop)), 0.0));
@@ -65,8 +64,7 @@ fn one(passes: &Passes<'_>, actual: &Actual, share: f64) -> Result<(Verdict, f64
     let against = match words.is_expected(&device, &expected, batch)? {
         true => Looked { open: vec![None; device.words.len()], ..Looked::default() },
         false => {
-            let (meaning, expected) =
-                rayon::join(|| passes.ideal(), || context.reference.expect_whole(batch, 0, true));
+            let (meaning, expected) = rayon::join(|| passes.ideal(), || context.reference.expect_whole(batch, 0, true));
             let (meaning, expected) = (meaning?, expected?);
             words.against_expected(&meaning, &expected)
         }
@@ -205,7 +203,7 @@ impl Words<'_> {
                     }
                     continue;
                 }
-                let Cell { value, radius } = device.cells[word];
+                let Cell { value, radius, .. } = device.cells[word];
                 let error = (f64::from(f32::from_bits(found[word])) - value).abs();
                 // What binary64 does to the value is far less than what a device may do.
                 let bound = radius * (1.0 + NEAR);
