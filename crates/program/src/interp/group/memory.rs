@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::super::domain::Site;
+use super::Left;
 use super::cells::{InMemory, RealCombine};
 use super::shape::{MemoryShape, Space};
 
@@ -108,13 +109,15 @@ struct History {
 /// One memory.
 pub(super) struct Contents<D: InMemory> {
     pub space: Space,
-    /// Words as bits, and as numbers where a number was written.
+    /// Words as bits.
     bits: Vec<u32>,
+    /// The same as numbers of the domain; empty until one is written, for buffers may be large.
     reals: Vec<D::Cell>,
+    /// Words that somebody has written; empty where all are.
     written: Vec<bool>,
     /// Who touched each word; empty where nobody asks.
     history: Vec<History>,
-    /// Words of which nothing is known, for a decision before them could have gone the other way.
+    /// Words of which nothing is known, for a decision before them could have gone the other way; empty where there are none.
     open: Vec<bool>,
     /// Words that atomic functions on real numbers added to since they were last stored.
     sums: HashMap<usize, D::Sum>,
@@ -129,11 +132,11 @@ impl<D: InMemory> Contents<D> {
         let len = words.len();
         Self {
             space: shape.space,
-            reals: words.iter().map(|&bits| D::cell(bits)).collect(),
+            reals: Vec::new(),
             bits: words,
-            written: vec![written; len],
+            written: vec![false; if written { 0 } else { len }],
             history: vec![History::default(); if watched { len } else { 0 }],
-            open: vec![false; len],
+            open: Vec::new(),
             sums: HashMap::new(),
             elements,
             reach: 0,
@@ -154,22 +157,37 @@ impl<D: InMemory> Contents<D> {
     }
 
     pub(super) fn real(&self, word: usize) -> D::Cell {
-        self.reals[word]
+        self.reals.get(word).copied().unwrap_or_else(|| D::cell(self.bits[word]))
     }
 
     pub(super) fn is_written(&self, word: usize) -> bool {
-        self.written[word]
+        self.written.get(word).is_none_or(|&written| written)
     }
 
     pub(super) fn is_open(&self, word: usize) -> bool {
-        self.open[word]
+        self.open.get(word).is_some_and(|&open| open)
     }
 
     pub(super) fn set_bits(&mut self, word: usize, bits: u32, open: bool) {
         self.stored(word);
         self.bits[word] = bits;
-        self.reals[word] = D::cell(bits);
-        (self.written[word], self.open[word]) = (true, open);
+        if let Some(real) = self.reals.get_mut(word) {
+            *real = D::cell(bits);
+        }
+        self.mark(word, open);
+    }
+
+    /// A word was written.
+    fn mark(&mut self, word: usize, open: bool) {
+        if let Some(written) = self.written.get_mut(word) {
+            *written = true;
+        }
+        if open && self.open.is_empty() {
+            self.open = vec![false; self.bits.len()];
+        }
+        if let Some(known) = self.open.get_mut(word) {
+            *known = open;
+        }
     }
 
     pub(super) fn set_real(&mut self, word: usize, value: D::Cell, open: bool) {
@@ -178,9 +196,12 @@ impl<D: InMemory> Contents<D> {
     }
 
     fn hold(&mut self, word: usize, value: D::Cell, open: bool) {
+        if self.reals.is_empty() {
+            self.reals = self.bits.iter().map(|&bits| D::cell(bits)).collect();
+        }
         self.bits[word] = D::bits(value);
         self.reals[word] = value;
-        (self.written[word], self.open[word]) = (true, open);
+        self.mark(word, open);
     }
 
     /// A sum begins anew.
@@ -192,7 +213,7 @@ impl<D: InMemory> Contents<D> {
 
     /// An atomic function on real numbers.
     pub(super) fn combine(&mut self, domain: &D, op: RealCombine, (word, value): (usize, D::Cell), open: bool) {
-        let old = self.reals[word];
+        let old = self.real(word);
         let new = match op {
             RealCombine::Add | RealCombine::Subtract => {
                 domain.combined(op, old, value, self.sums.entry(word).or_default())
@@ -207,17 +228,17 @@ impl<D: InMemory> Contents<D> {
 
     /// What an atomic function reads of a word.
     pub(super) fn passing(&self, word: usize) -> D::Cell {
-        if self.sums.contains_key(&word) { D::passing(self.reals[word]) } else { self.reals[word] }
+        if self.sums.contains_key(&word) { D::passing(self.real(word)) } else { self.real(word) }
     }
 
     /// Nothing is known of any word from now on.
     pub(super) fn open_all(&mut self) {
-        self.open.fill(true);
+        self.open = vec![true; self.bits.len()];
     }
 
-    /// What is left: bits, numbers, and the words of which nothing is known.
-    pub(super) fn into_parts(self) -> (Vec<u32>, Vec<D::Cell>, Vec<bool>) {
-        (self.bits, self.reals, self.open)
+    /// What is left: bits, and what the domain knows of them.
+    pub(super) fn into_parts(self) -> (Vec<u32>, Left<D::Cell>) {
+        (self.bits, Left { cells: self.reals, open: self.open })
     }
 }
 

@@ -162,9 +162,9 @@ impl Executable {
         let reach = group.contents.iter().map(|contents| contents.reach).collect();
         let (mut contents, mut left) = (Vec::new(), Vec::new());
         for memory in group.contents {
-            let (bits, cells, open) = memory.into_parts();
+            let (bits, known) = memory.into_parts();
             contents.push(bits);
-            left.push(Left { cells, open });
+            left.push(known);
         }
         let (incidents, findings) = (group.log.into_incidents(), group.findings);
         let (doubted, rounds) = (group.doubted, group.rounds);
@@ -175,10 +175,23 @@ impl Executable {
 /// What a memory holds behind a dispatch, in the numbers of a domain.
 #[derive(Clone, Debug)]
 pub struct Left<C> {
-    /// Each word as a number.
-    pub cells: Vec<C>,
-    /// True for words of which nothing is known, for a decision before them could have gone the other way.
-    pub open: Vec<bool>,
+    /// Each word as a number; empty where bits say it all.
+    cells: Vec<C>,
+    /// True for words of which nothing is known, for a decision before them could have gone the other way; empty where there
+    /// are none.
+    open: Vec<bool>,
+}
+
+impl<C: Copy> Left<C> {
+    /// A word as a number; `None` where its bits are one.
+    pub fn cell(&self, word: usize) -> Option<C> {
+        self.cells.get(word).copied()
+    }
+
+    /// True when nothing is known of a word.
+    pub fn is_open(&self, word: usize) -> bool {
+        self.open.get(word).is_some_and(|&open| open)
+    }
 }
 
 /// A workgroup after the other.

@@ -136,8 +136,8 @@ impl Executable {
             for place in about.iter().flat_map(|about| &about.after) {
                 let (to, from) = (place.word as usize, place.byte as usize / 4);
                 ran.words[to] = contents[k][from];
-                ran.cells[to] = left[k].cells[from];
-                ran.open[to] = left[k].open[from];
+                ran.cells[to] = left[k].cell(from).unwrap_or_else(|| D::cell(contents[k][from]));
+                ran.open[to] = left[k].is_open(from);
             }
         }
         Ok(ran)
