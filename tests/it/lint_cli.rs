@@ -105,6 +105,29 @@ fn a_rule_goes_by_its_name_wherever_it_goes_by_its_code() {
     }
 }
 
+/// A kernel whose wait for the other invocations stands in a macro of another file.
+const KERNEL: &str = "#version 450\n#extension GL_GOOGLE_include_directive : enable\n#include \"inc/wait.glsl\"\n\
+    layout(local_size_x = 64) in;\nlayout(binding = 0) buffer B { float x[]; };\nshared float s[64];\n\
+    void main()\n{\n  uint t = gl_LocalInvocationID.x;\n  s[t] = half_of(x[t]);\n  WAIT;\n  x[t] = s[63u - t];\n}\n";
+const WAITS: &str = "#define WAIT memoryBarrierShared(); barrier()\nfloat half_of(float v) { return v * 0.5; }\n";
+
+#[test]
+fn rules_see_what_a_shader_includes_and_tell_each_file_its_own() {
+    let with = |wait: &str| {
+        let folder = folder(&[("pass/k.comp", KERNEL), ("inc/wait.glsl", wait)]);
+        (codes(&lint(folder.path(), "pass --format json")), codes(&lint(folder.path(), ". --format json")))
+    };
+    assert_eq!(with(WAITS), (vec![], vec![]));
+    let unset = WAITS.replace("return v * 0.5;", "float h; return v * h;");
+    // What is wrong in the other file is told there, once.
+    assert_eq!(with(&unset), (vec![], vec!["./inc/wait.glsl D001".to_owned()]));
+    let forgets = WAITS.replace("; barrier()", "");
+    assert_eq!(with(&forgets).0, ["pass/k.comp K001"]);
+    // A file that is missing leaves the text as it is: nothing is known of its names.
+    let alone = folder(&[("k.comp", KERNEL)]);
+    assert!(!codes(&lint(alone.path(), "k.comp --format json")).contains(&"k.comp E020".to_owned()));
+}
+
 #[test]
 fn a_wrong_configuration_is_reported_with_its_place() {
     let folder = folder(&[("a.vert", LITERAL), ("shadercheck.toml", "[lint]\nselct = [\"N\"]\nlevel = \"strikt\"\n")]);

@@ -3,12 +3,14 @@
 
 pub mod elsewhere;
 pub mod fresh;
+mod includes;
 mod modules;
 mod problem;
 mod source;
 pub mod table;
 
 pub use elsewhere::plain;
+pub use includes::included;
 pub use modules::{ComposeError, Modules, ancestors};
 pub use problem::Problem;
 pub use source::{MOST_BYTES, read_source};

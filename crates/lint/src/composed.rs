@@ -1,6 +1,6 @@
-//! Texts in WGSL that are read with what they import.
+//! Texts that are read with what they import or include.
 //!
-//! Rules see the whole text, so that they know the types of what is imported and what the functions there do. Each file is
+//! Rules see the whole text, so that they know the types of what comes from other files and what the functions there do. Each file is
 //! the root of a text of its own: what is found in another file of a text is told where that one is the root, and only
 //! there.
 
@@ -14,7 +14,7 @@ use base::text::{Edit, SourceFile};
 use super::project::Project;
 use super::rule::Level;
 
-/// A text in WGSL with what it imports, and why a reader of the language refuses it.
+/// A text with what it imports or includes, and why a reader of the language refuses it.
 #[derive(Clone, Debug)]
 pub struct Composed {
     /// The text, whose places lead back to the files.
@@ -23,7 +23,7 @@ pub struct Composed {
     pub refused: Vec<(Level, Diagnostic)>,
 }
 
-/// Joins a text in WGSL with what it imports; none where something is missing.
+/// Joins a text with what it imports or includes; none where there is nothing to join, or something is missing.
 #[derive(Clone)]
 pub struct Composer(Arc<Joins>);
 

@@ -145,7 +145,7 @@ pub struct Input {
     /// The syntax tree of a host file, once it has been asked for: companions are looked for before
     /// rules run, and the text is parsed once for both.
     tree: HostTree,
-    /// What joins a text in WGSL with what it imports.
+    /// What joins a text with what it imports or includes.
     composer: Option<Composer>,
     /// What has been read of it, where that is kept for further runs.
     kept: Option<Arc<kept::Kept>>,
@@ -174,7 +174,7 @@ impl Input {
         Self { stage: Some(stage), ..self }
     }
 
-    /// The same text, with what joins it with its imports.
+    /// The same text, with what joins it with its imports or includes.
     #[must_use]
     pub fn composed_by(self, composer: Composer) -> Self {
         Self { composer: Some(composer), ..self }

@@ -156,9 +156,9 @@ impl Loaded {
         match known {
             Some(input) => *input = input.with_file(file).with_reported(true),
             None => {
-                let wgsl = language_of(file.name()) == Some(Language::Wgsl);
+                let shader = matches!(language_of(file.name()), Some(Language::Wgsl | Language::Shader(_)));
                 let input = Input::new(file).kept();
-                self.inputs.push(if wgsl { input.composed_by(modules::composer(&self.folders)) } else { input });
+                self.inputs.push(if shader { input.composed_by(modules::composer(&self.folders)) } else { input });
             }
         }
     }
@@ -279,8 +279,8 @@ fn take(wanted: Vec<(PathBuf, bool)>, loaded: &mut Loaded) {
                 let input = Input::new(file);
                 let input = if named { input.named() } else { input };
                 let input = match language {
-                    Some(Language::Wgsl) => input.composed_by(composer.clone()),
-                    _ => input,
+                    Some(Language::Wgsl | Language::Shader(_)) => input.composed_by(composer.clone()),
+                    Some(Language::Host | Language::Script) | None => input,
                 };
                 loaded.inputs.push(match stage {
                     Some(stage) => input.with_stage(stage),

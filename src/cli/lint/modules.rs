@@ -1,20 +1,28 @@
-//! Texts in WGSL with what they import, and what a reader of the language says of them.
+//! Texts with what they import or include, and what a reader of WGSL says of them.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use base::diagnostic::Diagnostic;
 use base::text::SourceFile;
 use compose::{Options, features, from_draft};
 use disk::Modules;
-use lint::{Composed, Composer, Level};
+use lint::{Composed, Composer, Language, Level, language_of};
 use syntax::errors::EARLY_DRAFT;
+use syntax::include;
 
-/// What joins texts in WGSL with the files that they import, which are looked for in these folders as well. Where one is
-/// missing, they are linted as they are.
+/// Bytes of a text with what it includes at most: a collection of everything takes too long.
+const LONGEST: usize = 1 << 18;
+
+/// What joins texts with the files that they import or include, which are looked for in these folders as well. Where a module
+/// of WGSL is missing, its text is linted as it is.
 pub fn composer(folders: &[PathBuf]) -> Composer {
     let modules = Mutex::new(Modules::new(folders.to_vec()));
+    let folders = folders.to_vec();
     Composer::new(move |file| {
+        if language_of(file.name()) != Some(Language::Wgsl) {
+            return with_includes(file, &folders);
+        }
         // With all features on, most of a text is seen. Where they exclude each other, it is read as without any.
         let on: Vec<(String, String)> = features(file).into_iter().map(|name| (name, String::new())).collect();
         let conditions = !on.is_empty();
@@ -39,6 +47,23 @@ pub fn composer(folders: &[PathBuf]) -> Composer {
         refused.extend(own);
         Some(Composed { file: joined, refused })
     })
+}
+
+/// A text in GLSL with the files that it includes, as far as they are there. None for one that includes nothing.
+fn with_includes(file: &SourceFile, folders: &[PathBuf]) -> Option<Composed> {
+    let own = Path::new(file.name()).parent().unwrap_or(Path::new(""));
+    let within: Vec<&Path> = [own].into_iter().chain(folders.iter().map(PathBuf::as_path)).collect();
+    let mut left = LONGEST.saturating_sub(file.text().len());
+    let mut whole = true;
+    let included = include::resolve(file, &mut |wanted| {
+        let found = disk::included(wanted, folders, &within).ok().flatten()?;
+        let rest = left.checked_sub(found.text().len());
+        whole &= rest.is_some();
+        left = rest?;
+        Some(found)
+    });
+    let joined = whole && included.cycles.is_empty() && included.file.is_assembled();
+    joined.then_some(Composed { file: included.file, refused: Vec::new() })
 }
 
 /// A template with names in the place of what its engine fills in. Nothing but its own faults can be found in it: no

@@ -1,12 +1,11 @@
 //! `#include` in shaders that are run: where files are looked for, and what is told of those that are not there.
 
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::error::LoadError;
 use base::diagnostic::Diagnostic;
-use base::text::{Shown, SourceFile, decode};
-use disk::{MOST_BYTES, elsewhere, plain, read_source};
+use base::text::{Shown, SourceFile};
+use disk::MOST_BYTES;
 use syntax::include::{self, Wanted};
 
 /// Files that a text includes, at most, each as often as it does.
@@ -49,7 +48,7 @@ impl Includes {
             if failed.is_some() {
                 return None;
             }
-            let found = find(wanted, &self.folders, &within).and_then(|found| {
+            let found = disk::included(wanted, &self.folders, &within).and_then(|found| {
                 // Files that each include another one twice have no end that anyone lives to see.
                 files += 1;
                 bytes += found.as_ref().map_or(0, |file| file.text().len() as u64);
@@ -86,27 +85,6 @@ impl Includes {
         let new = Diagnostic::new(diagnostic.code, diagnostic.severity, &wanted.from, wanted.span, message);
         new.with_why(why).with_help(format!("name its folder with {}", self.named_by))
     }
-}
-
-/// The file that is asked for; none where there is none.
-fn find(wanted: &Wanted, folders: &[PathBuf], within: &[&Path]) -> Result<Option<SourceFile>, String> {
-    let beside = Path::new(wanted.from.name()).parent().filter(|_| wanted.quoted).map(Path::to_owned);
-    // A path from the root is one of the virtual file system of ARB_shading_language_include.
-    let path = wanted.path.trim_start_matches('/');
-    // Hosts that join the texts name files from the folder of all shaders, which is one around them.
-    let here = Path::new(".");
-    let from = beside.iter().map(|folder| if folder.as_os_str().is_empty() { here } else { folder.as_path() });
-    let around = from.flat_map(disk::ancestors).skip(1);
-    for folder in beside.iter().cloned().chain(folders.iter().cloned()).chain(around) {
-        let path = if folder.as_os_str().is_empty() { PathBuf::from(path) } else { folder.join(path) };
-        let refusal = || elsewhere::refusal(&path, within).map(|why| std::io::Error::new(ErrorKind::InvalidInput, why));
-        match read_source(&path).and_then(|bytes| refusal().map_or(Ok(bytes), Err)) {
-            Ok(bytes) => return decode(&plain(&path), &bytes).map(|d| Some(d.file)).map_err(|e| e.to_string()),
-            Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {}
-            Err(error) => return Err(format!("{}: {error}", path.shown())),
-        }
-    }
-    Ok(None)
 }
 
 #[cfg(test)]

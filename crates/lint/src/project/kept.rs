@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use base::text::SourceFile;
 
-use super::{Input, ShaderFile};
+use super::{Input, Language, ShaderFile, language_of};
 use crate::config::Wrapper;
 use crate::embedded::Origin;
 use crate::host::{Found, HostFile};
@@ -52,7 +52,11 @@ impl Input {
 
     /// What a composer joins to a text may change while the text does not.
     fn keeps_itself(&self) -> Option<&Kept> {
-        let alone = || !["import", "#", "package::", "super::"].iter().any(|word| self.file.text().contains(word));
+        let joins: &[&str] = match language_of(self.file.name()) {
+            Some(Language::Wgsl) => &["import", "#", "package::", "super::"],
+            Some(Language::Shader(_) | Language::Host | Language::Script) | None => &["include"],
+        };
+        let alone = || !joins.iter().any(|word| self.file.text().contains(word));
         self.kept.as_deref().filter(|_| self.composer.is_none() || alone())
     }
 

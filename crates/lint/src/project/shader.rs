@@ -53,7 +53,7 @@ pub struct ShaderFile {
     around: [Span; 2],
     /// Errors that hold unless the host puts something around the text that is not seen.
     pub on_request: Vec<Diagnostic>,
-    /// The text as it stands in its file, where what it imports is joined with it.
+    /// The text as it stands in its file, where what it imports or includes is joined with it.
     pub author: Option<SourceFile>,
     /// The text as its author wrote it, where it is a template: places are the same in both.
     pub template: Option<SourceFile>,
@@ -178,10 +178,25 @@ impl ShaderFile {
         found.iter().zip(doubtful).filter(|(_, doubtful)| *doubtful).map(|(d, _)| (d.code, d.span)).collect()
     }
 
+    /// A shader with the files that it includes; none where it includes nothing, and where the whole does not hold by itself:
+    /// names that a host defines decide over it.
+    fn with_includes(input: &Input, stage: Stage) -> Option<Self> {
+        if !input.file.text().contains("include") {
+            return None;
+        }
+        let Composed { file, refused } = input.composer.as_ref()?.join(&input.file)?;
+        let parsed = version::read(&file, stage);
+        if parsed.diagnostics.iter().any(|d| d.severity == Severity::Error) {
+            return None;
+        }
+        let shader = Self::read(&input.with_file(file), parsed);
+        Some(Self { author: Some(input.file.clone()), refused, ..shader })
+    }
+
     /// A shader in a file of its own, with what its host puts around it.
     pub(super) fn of_file(input: &Input, stage: Stage, wanted: Wanted) -> Self {
         if prelude::recognised(input.file.text(), wanted).is_none() {
-            return Self::new(input, stage);
+            return Self::with_includes(input, stage).unwrap_or_else(|| Self::new(input, stage));
         }
         let whole = Literal::part(&input.file, Span::new(0, input.file.text().len()));
         match prelude::around(&whole, stage, wanted) {

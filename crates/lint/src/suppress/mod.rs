@@ -77,7 +77,8 @@ impl Suppressions {
         let shaders = project.shaders().filter(|s| s.reported && has_mark(&own(s))).map(|s| {
             let spans = |shader: &Shader| shader.comments().iter().map(|c| c.span).collect::<Vec<Span>>();
             let spans = match &s.author {
-                Some(author) => spans(&Shader::parse_wgsl(author).shader),
+                Some(author) if s.is_wgsl() => spans(&Shader::parse_wgsl(author).shader),
+                Some(author) => spans(&Shader::parse(author, s.shader.stage()).shader),
                 None => spans(&s.shader),
             };
             let comments = Comments::of(&own(s), &spans, rules);

@@ -72,7 +72,7 @@ pub(super) fn hidden_words(file: &ShaderFile) -> BTreeSet<&str> {
     let tokens = file.shader.tokens().iter();
     let hidden = tokens.filter(|t| t.kind == TokenKind::Word && t.place != TokenPlace::Text);
     let hidden = hidden.map(|t| file.file.slice(t.span));
-    let Some(author) = &file.author else { return hidden.collect() };
+    let Some(author) = file.author.as_ref().filter(|_| file.is_wgsl()) else { return hidden.collect() };
     // Where a text is joined with its imports, what conditions leave out stands in the author's text alone.
     let seen =
         |t: &Token| file.file.copied(t.span).filter(|(own, _)| own.name() == author.name()).map(|(_, s)| s.start);
