@@ -141,7 +141,7 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
         .collect::<anyhow::Result<Vec<_>>>()?
         .into_iter()
         .flatten()
-        .map(|source| source.with_prelude(super::prelude(args.prelude.as_deref())))
+        .map(|source| source.with_prelude(super::prelude(args.prelude.as_deref())).assuming(defines))
         .collect();
     let printed = sources.iter().find(|s| s.printed);
     if let Some(printed) = printed.filter(|_| args.write_suite) {
@@ -370,7 +370,7 @@ fn command(args: &FuzzArgs, source: &IncludedText) -> String {
         words = format!("{words} -I {}", shell_word(&folder.display().to_string()));
     }
     words += &args.compose.words();
-    for (name, value) in &args.define {
+    for (name, value) in args.define.iter().chain(source.assumed()) {
         words = format!("{words} --define {}", shell_word(&format!("{name}={value}")));
     }
     if let Some(stage) = args.stage {

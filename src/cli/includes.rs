@@ -6,6 +6,7 @@ use super::compose::Given;
 use base::diagnostic::{Diagnostic, Severity};
 use base::text::{Assembly, Shown as _, SourceFile, Span};
 use compose::LeftOut;
+use engine::fuzz::Assumed;
 use engine::suite::{Includes, Joined, read_module};
 use program::{ModuleText, ProgramError, Written};
 use syntax::{Parsed, Shader, Stage};
@@ -28,6 +29,8 @@ pub struct IncludedText {
     includes: Includes,
     /// What it was put together from, in WGSL.
     joined: Option<Joined>,
+    /// Macros that a build may give, and that nothing in it defines.
+    assumed: Assumed,
 }
 
 /// Reads a file and what it includes: `"path"` beside the file that asks and then in the stated folders, `<path>` in
@@ -61,6 +64,7 @@ pub fn with_includes(file: &SourceFile, path: &Path, given: &Given<'_>) -> anyho
         file: whole,
         includes,
         joined,
+        assumed: Assumed::new(),
     })
 }
 
@@ -83,7 +87,7 @@ pub fn read_all(path: &Path, given: &Given<'_>, stage: Option<Stage>) -> anyhow:
         // The name of a shader in host code is no path: its line leads to it.
         let is_file = lint::language_of(&path.to_string_lossy()).is_some();
         let given = if is_file { format!("{}:{}", path.shown(), shader.lines.start() + 1) } else { name.clone() };
-        Ok(IncludedText { name, given, path, file, stage: shader.stage, printed: true, includes, joined: None })
+        Ok(IncludedText { name, given, path, file, stage: shader.stage, printed: true, includes, joined: None, assumed: Assumed::new() })
     };
     printed.into_iter().map(text).collect()
 }
@@ -93,6 +97,8 @@ impl IncludedText {
     /// into say: the newest version is taken, unless only the oldest has what it uses. A stage that names none and states
     /// precisions is GLSL ES 1.00, as browsers take it.
     pub fn parsed(&self, defines: &[(String, String)]) -> Parsed {
+        let all: Vec<(String, String)> = defines.iter().chain(&self.assumed).cloned().collect();
+        let defines = &all[..];
         let parsed = Shader::parse_with(&self.file, self.stage, defines);
         let errors = |p: &Parsed| p.diagnostics.iter().filter(|d| d.severity == Severity::Error).count();
         if parsed.shader.version().span.is_some() {
@@ -146,9 +152,27 @@ impl IncludedText {
         self.joined.as_ref().map_or_else(|| defines.to_vec(), |joined| joined.values(text, defines))
     }
 
+    /// The same, where macros that a build or a host may give stand for something plain, if the text holds no errors then.
+    #[must_use]
+    pub fn assuming(self, defines: &[(String, String)]) -> Self {
+        if Written::of(&self.file) != Written::Glsl {
+            return self;
+        }
+        let with = |more: &[(String, String)]| self.parsed(&[defines, more].concat());
+        let assumed = engine::fuzz::assumed(&with).unwrap_or_default();
+        Self { assumed, ..self }
+    }
+
+    /// Macros that are assumed.
+    pub fn assumed(&self) -> &[(String, String)] {
+        &self.assumed
+    }
+
     /// What is worth knowing about where parts of the text come from.
     pub fn notes(&self) -> Vec<String> {
-        self.joined.as_ref().map(Joined::notes).unwrap_or_default()
+        let joined = self.joined.as_ref().map(Joined::notes).unwrap_or_default();
+        let assumed = (!self.assumed.is_empty()).then(|| engine::fuzz::note(&self.assumed));
+        joined.into_iter().chain(assumed).collect()
     }
 
     /// A diagnostic with what is known about includes that were not found.

@@ -12,7 +12,7 @@ use std::collections::{HashMap, HashSet};
 use base::diagnostic::{Code, Diagnostic};
 use base::text::SourceFile;
 use syntax::ast::ItemKind;
-use syntax::{BuiltinFunction, Profile, Shader, Stage, Token, TokenKind, TokenPlace, Version, errors};
+use syntax::{BuiltinFunction, Profile, Shader, Stage, Token, TokenKind, TokenPlace, Version, errors, is_macro};
 
 use super::conditions::{self, Conditions};
 use super::dialect;
@@ -177,12 +177,6 @@ pub fn is_raw_string_file(text: &str) -> bool {
     let in_front = |at: usize| text[..at].rsplit('\n').next().unwrap_or("").trim();
     text.match_indices("R\"")
         .any(|(at, _)| opens(at) && (in_front(at).is_empty() || in_front(at).ends_with(['=', '('])))
-}
-
-/// True for a word in capitals.
-pub fn is_macro(word: &str) -> bool {
-    let in_capitals = word.bytes().all(|b| b.is_ascii_uppercase() || b.is_ascii_digit() || b == b'_');
-    word.len() > 1 && in_capitals && !word.starts_with(|c: char| c.is_ascii_digit())
 }
 
 /// True for a macro that nothing defines where the text defines one with nearly its name.

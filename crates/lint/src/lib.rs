@@ -217,7 +217,7 @@ fn front_end_level(project: &Project, shader: &ShaderFile, error: &Diagnostic) -
         errors::UNKNOWN_DIRECTIVE if error.help.is_none() => Level::Strict,
         errors::UNKNOWN_NAME | errors::UNKNOWN_FUNCTION | errors::UNKNOWN_TYPE
             if error.help.is_none()
-                && context::is_macro(name)
+                && syntax::is_macro(name)
                 && (shader.origin.is_none() || beside())
                 && !context::is_slip(&shader.shader, name) =>
         {

@@ -128,6 +128,23 @@ pub struct Token {
     pub place: TokenPlace,
 }
 
+/// True for a word in capitals.
+pub fn is_macro(word: &str) -> bool {
+    let in_capitals = word.bytes().all(|b| b.is_ascii_uppercase() || b.is_ascii_digit() || b == b'_');
+    word.len() > 1 && in_capitals && !word.starts_with(|c: char| c.is_ascii_digit())
+}
+
+/// What a name is used as that nothing declares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Lacks {
+    /// A type.
+    Type,
+    /// A function.
+    Function,
+    /// A variable or constant.
+    Value,
+}
+
 /// True when the version and stage of a shader have a built-in function of that name.
 pub fn is_builtin_function(shader: &Shader, name: &str) -> bool {
     let language = language::Language::new(shader.version(), shader.extensions());
@@ -173,6 +190,7 @@ pub struct Shader {
     functions: Vec<FunctionInfo>,
     uses: Vec<Use>,
     unknown: bool,
+    lacking: Vec<(String, Lacks)>,
     interface: Interface,
     defines: Vec<(String, String)>,
     wgsl: Option<Box<wgsl::Module>>,
@@ -215,7 +233,7 @@ impl Shader {
         extensions.extend(dialect::vulkan(file, &raw, &version));
         let language = language::Language::new(&version, &extensions);
         let (unit, mut arena) = parser::parse(tokens, &language, &mut sink);
-        let check::Checked { types, values, names, calls, mut symbols, functions, mut uses, unknown, interface } =
+        let check::Checked { types, values, names, calls, mut symbols, functions, mut uses, unknown, lacking, interface } =
             check::check(&unit, &arena, stage, language, incomplete, &mut sink);
         // A project keeps thousands of these: what growing vectors hold in reserve adds up.
         arena.shrink();
@@ -238,6 +256,7 @@ impl Shader {
             functions,
             uses,
             unknown,
+            lacking,
             interface,
             defines: defines.to_vec(),
             wgsl: None,
@@ -282,6 +301,11 @@ impl Shader {
     /// True when a name is used that nothing in this text declares.
     pub fn has_unknown_names(&self) -> bool {
         self.unknown
+    }
+
+    /// Names that nothing in this text in GLSL declares, each once, with what it is used as first.
+    pub fn lacking(&self) -> &[(String, Lacks)] {
+        &self.lacking
     }
 
     /// The version, with the place of its directive.

@@ -7,6 +7,7 @@
 //!                                        └─ lanes ─▶ verdicts, blame, determinism ─▶ findings
 //! ```
 
+mod assumed;
 mod builtin;
 mod domain;
 mod finding;
@@ -24,6 +25,7 @@ mod slice;
 mod subject;
 mod wrapper;
 
+pub use assumed::{Assumed, assumed, note};
 pub use domain::{Domain, InputDomain, Interval, Law, MODERATE, Shrinking, Stated, Within};
 pub use finding::{Finding, FunctionReport, FuzzFindingKind, LaneReport, Part, Severity, WORKGROUPS};
 pub use generate::batch;

@@ -590,11 +590,6 @@ impl Executable {
         })
     }
 
-    /// True when some number is a real one.
-    pub fn has_reals(&self) -> bool {
-        self.reals > 0
-    }
-
     /// Types of the output words of one vertex.
     pub fn outputs(&self) -> impl ExactSizeIterator<Item = Scalar> + '_ {
         self.outputs.iter().map(|register| register.scalar)

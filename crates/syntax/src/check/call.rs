@@ -3,7 +3,7 @@
 use super::super::ast::{Callee, ExprId, Ident, ItemKind};
 use super::super::builtin::{self, BuiltinFunction, Signature};
 use super::super::constructor::{Constructor, Fit};
-use super::super::errors;
+use super::super::{Lacks, errors};
 use super::super::fold::{self, Const};
 use super::super::language::{Feature, Language};
 use super::super::names::nearest;
@@ -409,6 +409,7 @@ impl Checker<'_> {
             let text = &name.name;
             return self.lacks(message!("`{text}`", "`{text}` "), since, name.span);
         }
+        self.lack(&name.name, Lacks::Function);
         if self.language.is_open() || !self.first_time(&name.name) {
             return;
         }

@@ -12,7 +12,7 @@ use super::super::language::Feature;
 use super::super::names::nearest;
 use super::super::symbols::{Direction, FunctionId, FunctionInfo, ParamInfo, SymbolKind};
 use super::super::types::{ArraySize, OpaqueType, StructField, StructType, Type};
-use super::super::{Stage, builtin, errors, parser};
+use super::super::{Lacks, Stage, builtin, errors, parser};
 use super::expression::with_near;
 use super::layouts::Bearer;
 use super::{Checker, Entry};
@@ -78,6 +78,7 @@ impl Checker<'_> {
                         builtin::structure_type(name).unwrap_or(Type::Error)
                     }
                     None => {
+                        self.lack(name, Lacks::Type);
                         if !self.language.is_open() && self.first_time(name) {
                             let mut known: Vec<&str> = parser::suggestions().collect();
                             let own = self.scopes.iter().flat_map(|s| s.entries.iter());

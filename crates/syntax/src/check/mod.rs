@@ -33,7 +33,7 @@ use super::names::nearest;
 use super::sink::Sink;
 use super::symbols::{CallTarget, FunctionId, FunctionInfo, Symbol, SymbolId, SymbolKind, Use};
 use super::types::{Conversions, StructType, Type};
-use super::{Stage, errors};
+use super::{Lacks, Stage, errors};
 use base::text::Span;
 use expression::with_near;
 
@@ -50,6 +50,8 @@ pub(crate) struct Checked {
     pub interface: Interface,
     /// A name was met that nothing declares.
     pub unknown: bool,
+    /// Such names, each once, in the order in which they are met.
+    pub lacking: Vec<(String, Lacks)>,
 }
 
 /// What a name in a scope means.
@@ -374,7 +376,15 @@ impl<'a> Checker<'a> {
         all
     }
 
+    /// Remembers a name that nothing declares.
+    fn lack(&mut self, name: &str, what: Lacks) {
+        if !self.out.lacking.iter().any(|(known, _)| known == name) {
+            self.out.lacking.push((name.to_owned(), what));
+        }
+    }
+
     fn unknown_name(&mut self, name: &str, span: Span) {
+        self.lack(name, Lacks::Value);
         if !self.first_time(name) || self.may_be_of_an_extension(name) {
             return;
         }

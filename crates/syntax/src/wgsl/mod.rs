@@ -189,6 +189,7 @@ pub(super) fn read(file: &SourceFile) -> super::Parsed {
         functions,
         uses,
         unknown,
+        lacking: Vec::new(),
         interface: Interface::default(),
         defines: Vec::new(),
         wgsl: Some(Box::new(module)),

@@ -1,6 +1,6 @@
 //! D008: a function that returns a value can end without one.
 
-use crate::context::is_macro;
+use syntax::is_macro;
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};

@@ -96,6 +96,11 @@ impl Executable {
         self.whole.as_ref()
     }
 
+    /// True when some number is a real one.
+    pub fn has_reals(&self) -> bool {
+        self.reals > 0
+    }
+
     /// Runs the dispatch that an invocation of a batch is, in a domain and an [order](Dispatch::order).
     ///
     /// # Errors
