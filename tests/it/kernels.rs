@@ -29,7 +29,7 @@ fn told(report: &Value) -> Vec<(String, String, u64)> {
 }
 
 /// The wrong twins: the fault that each has, whether it fails the run, and a line that is named.
-const WRONG: [(&str, &str, bool, u64); 14] = [
+const WRONG: [(&str, &str, bool, u64); 17] = [
     // A barrier that is missing behind a step of the sum.
     ("sum.wgsl", "race", true, 21),
     // Elements behind the last one are not filled.
@@ -58,6 +58,12 @@ const WRONG: [(&str, &str, bool, u64); 14] = [
     ("gradients.wgsl", "index", true, 20),
     // Pairs overlap.
     ("sort.wgsl", "race", true, 18),
+    // A barrier that is missing, between numbers of binary16.
+    ("halves.wgsl", "race", true, 25),
+    // As if 32 invocations made a subgroup.
+    ("subgroup_sum.wgsl", "subgroup_width", true, 19),
+    // Who has no element leaves before the others of the subgroup are asked.
+    ("subgroup_tail.wgsl", "divergence", true, 13),
 ];
 
 #[test]

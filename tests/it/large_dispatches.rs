@@ -36,7 +36,7 @@ fn kernel(name: &str, size: &str) -> Prepared {
     prepared
 }
 
-fn judged(prepared: &Prepared, lane: &dyn Lane, promises: Promises, samples: u64) -> Report {
+pub fn judged(prepared: &Prepared, lane: &dyn Lane, promises: Promises, samples: u64) -> Report {
     run(prepared, lane, Stage::Compute, &request(prepared, Some(samples), promises), &mut |_| {}).unwrap()
 }
 

@@ -21,6 +21,7 @@ mod fuzz;
 mod fuzz_realistic;
 mod geometry;
 mod glsl_differential;
+mod halves;
 mod hostile;
 mod improve;
 mod interp;

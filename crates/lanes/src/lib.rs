@@ -62,3 +62,15 @@ pub fn registry() -> &'static [Candidate] {
         all
     })
 }
+/// Refuses what no driver is asked for yet.
+///
+/// # Errors
+/// [`LaneError::Unsupported`] for `f16` and operations of subgroups, which the embedded lane alone runs.
+fn check_asked(kernel: &program::Kernel) -> Result<(), LaneError> {
+    let what = match &*kernel.program {
+        program if program.has_halves() => "16-bit floats",
+        program if program.uses_subgroups() => "operations of subgroups",
+        _ => return Ok(()),
+    };
+    Err(LaneError::Unsupported(format!("{what}, which the embedded lane alone runs")))
+}

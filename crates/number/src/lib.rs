@@ -27,6 +27,7 @@
 mod dispatch;
 mod double;
 mod exponential;
+pub mod half;
 mod inverse;
 mod logarithm;
 mod power;

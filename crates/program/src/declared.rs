@@ -34,6 +34,9 @@ impl Written {
         if let Ok(shape) = text.parse() {
             return Some(shape);
         }
+        if text == "f16" {
+            return Some(Shape::FLOAT.halved());
+        }
         let scalar =
             [("f32", Scalar::F32), ("i32", Scalar::I32), ("u32", Scalar::U32)].into_iter().find(|(n, _)| *n == text);
         if let Some((_, scalar)) = scalar {
@@ -49,7 +52,7 @@ impl Written {
             let (columns, rows) = text.split_once('x')?;
             Some((size(columns)?, size(rows)?))
         };
-        let matrix = |(columns, rows)| Shape { scalar: Scalar::F32, columns, rows, array: None };
+        let matrix = |(columns, rows)| Shape { scalar: Scalar::F32, columns, rows, array: None, half: false };
         if let Some(inside) = text.strip_prefix("mat") {
             let size = inside.strip_suffix('f').or_else(|| inside.strip_suffix("<f32>"))?;
             return sizes(size).map(matrix);
@@ -57,6 +60,10 @@ impl Written {
         if let Some(inside) = text.strip_prefix("vec") {
             let (rows, scalar) = inside.split_at_checked(1)?;
             let scalar = match scalar {
+                "h" | "<f16>" => {
+                    let rows = rows.parse().ok().filter(|n| (2..=4).contains(n))?;
+                    return Some(Shape::vector(Scalar::F32, rows).halved());
+                }
                 "f" | "<f32>" => Scalar::F32,
                 "i" | "<i32>" => Scalar::I32,
                 "u" | "<u32>" => Scalar::U32,
@@ -78,6 +85,7 @@ impl Written {
 /// The number of rows stands first.
 fn hlsl(shape: Shape) -> String {
     let scalar = match shape.scalar {
+        Scalar::F32 if shape.half => "float16_t",
         Scalar::F32 => "float",
         Scalar::I32 => "int",
         Scalar::U32 => "uint",
@@ -93,6 +101,7 @@ fn hlsl(shape: Shape) -> String {
 
 fn wgsl(shape: Shape) -> String {
     let (scalar, short) = match shape.scalar {
+        Scalar::F32 if shape.half => ("f16", "h"),
         Scalar::F32 => ("f32", "f"),
         Scalar::I32 => ("i32", "i"),
         Scalar::U32 => ("u32", "u"),

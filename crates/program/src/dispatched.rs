@@ -198,12 +198,15 @@ impl Program {
         for point in &mut module.entry_points {
             settle(&shape, &mut point.function)?;
         }
+        // Invocations of a subgroup see each other's values: they go side by side.
+        let subgroups = super::memory::uses_subgroups(&module);
         self.info = checked(&module)?;
         self.module = module;
         self.instrumented = true;
         let words: usize =
             [&self.inputs, &self.outputs].into_iter().flatten().map(|port| port.field.shape.words()).sum();
-        self.dispatch = Some(Arc::new(Dispatched { groups: dispatch.groups, host, large: words >= LARGE }));
+        self.dispatch =
+            Some(Arc::new(Dispatched { groups: dispatch.groups, host, large: words >= LARGE || subgroups }));
         Ok(self)
     }
 
@@ -288,11 +291,14 @@ pub(crate) fn offset(module: &Module, mut ty: Handle<Type>, path: &[u32]) -> u32
 /// Places of the scalars of a value in bytes, in the order of its words.
 pub(crate) fn places(module: &Module, ty: Handle<Type>, at: u32, all: &mut Vec<u32>) {
     match module.types[ty].inner {
-        TypeInner::Vector { size, .. } => all.extend((0..size as u32).map(|k| at + 4 * k)),
-        TypeInner::Matrix { columns, rows, .. } => {
-            let stride = if rows == naga::VectorSize::Bi { 8 } else { 16 };
+        TypeInner::Vector { size, scalar } => {
+            all.extend((0..size as u32).map(|k| at + u32::from(scalar.width) * k));
+        }
+        TypeInner::Matrix { columns, rows, scalar } => {
+            let width = u32::from(scalar.width);
+            let stride = if rows == naga::VectorSize::Bi { 2 * width } else { 4 * width };
             for column in 0..columns as u32 {
-                all.extend((0..rows as u32).map(|row| at + stride * column + 4 * row));
+                all.extend((0..rows as u32).map(|row| at + stride * column + width * row));
             }
         }
         TypeInner::Array { base, size: ArraySize::Constant(len), stride } => {

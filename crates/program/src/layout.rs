@@ -7,14 +7,15 @@ use base::value::Scalar;
 /// Byte offsets of the scalars of a value of type `ty` that begins at `start`, in the order in which
 /// values are taken apart: members, elements, columns, components.
 pub(super) fn byte_offsets(module: &Module, ty: Handle<Type>, start: u32, offsets: &mut Vec<u32>) {
-    let mut run = |at: u32, count: u32| offsets.extend((0..count).map(|k| at + 4 * k));
+    let mut run = |at: u32, count: u32, width: u32| offsets.extend((0..count).map(|k| at + width * k));
     match module.types[ty].inner {
-        TypeInner::Scalar(_) => run(start, 1),
-        TypeInner::Vector { size, .. } => run(start, size as u32),
-        TypeInner::Matrix { columns, rows, .. } => {
-            // A column is aligned like a vector of its length: two components to 8 bytes, more to 16.
-            let stride = if rows == VectorSize::Bi { 8 } else { 16 };
-            (0..columns as u32).for_each(|column| run(start + column * stride, rows as u32));
+        TypeInner::Scalar(_) => run(start, 1, 4),
+        TypeInner::Vector { size, scalar } => run(start, size as u32, scalar.width.into()),
+        TypeInner::Matrix { columns, rows, scalar } => {
+            let width = u32::from(scalar.width);
+            // A column is aligned like a vector of its length: two components to two, more to four.
+            let stride = width * if rows == VectorSize::Bi { 2 } else { 4 };
+            (0..columns as u32).for_each(|column| run(start + column * stride, rows as u32, width));
         }
         TypeInner::Array { base, size: ArraySize::Constant(len), stride } => {
             (0..len.get()).for_each(|k| byte_offsets(module, base, start + k * stride, offsets));

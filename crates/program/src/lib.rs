@@ -221,6 +221,16 @@ impl Program {
     }
 
     /// The arguments of the entry point that are built-in values.
+    /// True for a program with numbers of binary16.
+    pub fn has_halves(&self) -> bool {
+        self.module.types.iter().any(|(_, ty)| ty.inner.scalar() == Some(naga::Scalar::F16))
+    }
+
+    /// True for a program whose invocations see values of their subgroup, or ask which of it they are.
+    pub fn uses_subgroups(&self) -> bool {
+        memory::uses_subgroups(&self.module)
+    }
+
     pub(crate) fn built_ins_of_entry(&self) -> Vec<(u32, BuiltIn)> {
         let Entry::Point(index) = self.entry else { return Vec::new() };
         let arguments = self.module.entry_points.get(index).map_or(&[][..], |point| &point.function.arguments);

@@ -18,6 +18,8 @@ pub enum Grade {
     Low,
     /// `mediump`.
     Medium,
+    /// binary16, by the type: `f16` of WGSL.
+    Half,
     /// binary32.
     #[default]
     Full,

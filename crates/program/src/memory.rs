@@ -93,11 +93,39 @@ impl Program {
     }
 }
 
+/// True when invocations of a subgroup see each other's values, or ask which of it they are.
+pub(super) fn uses_subgroups(module: &Module) -> bool {
+    use naga::BuiltIn::{NumSubgroups, SubgroupId, SubgroupInvocationId, SubgroupSize};
+    let sees = |f: &Function| {
+        let of = |s: &Statement| {
+            matches!(
+                s,
+                Statement::SubgroupBallot { .. }
+                    | Statement::SubgroupGather { .. }
+                    | Statement::SubgroupCollectiveOperation { .. }
+            )
+        };
+        any(&f.body, &of)
+    };
+    let told = |of: &Option<naga::Binding>| {
+        let Some(naga::Binding::BuiltIn(built_in)) = of else { return false };
+        matches!(built_in, NumSubgroups | SubgroupId | SubgroupInvocationId | SubgroupSize)
+    };
+    module.functions.iter().any(|(_, f)| sees(f))
+        || module
+            .entry_points
+            .iter()
+            .any(|e| sees(&e.function) || e.function.arguments.iter().any(|a| told(&a.binding)))
+}
+
 /// True when invocations wait for each other or share variables.
 fn needs_others(module: &Module) -> bool {
     let shared = module.global_variables.iter().any(|(_, v)| v.space == AddressSpace::WorkGroup);
     let waits = |f: &Function| any(&f.body, &|s| matches!(s, Statement::ControlBarrier(_)));
-    shared || module.functions.iter().any(|(_, f)| waits(f)) || module.entry_points.iter().any(|e| waits(&e.function))
+    shared
+        || uses_subgroups(module)
+        || module.functions.iter().any(|(_, f)| waits(f))
+        || module.entry_points.iter().any(|e| waits(&e.function))
 }
 
 fn any(block: &Block, is: &dyn Fn(&Statement) -> bool) -> bool {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use base::value::Batch;
+use base::value::{Batch, Record};
 
 use super::generators::Rows;
 use super::plan::{Plan, key};
@@ -80,6 +80,19 @@ pub(super) fn fill_cases(plan: &Plan, seed: u64, first_case: u64, words: &mut [u
         };
         planned.generator.fill_rows(&planned.group, rows);
     }
+    halve(plan.case_record(), words);
+}
+
+/// Brings numbers of binary16 to the nearest ones of these, in whole records.
+fn halve(record: &Record, words: &mut [u32]) {
+    let places = record.fields().iter().enumerate().filter(|(_, field)| field.shape.half);
+    let places: Vec<usize> = places.flat_map(|(k, _)| record.range(k)).collect();
+    if places.is_empty() {
+        return;
+    }
+    for own in words.chunks_mut(record.words()) {
+        places.iter().for_each(|&at| own[at] = number::half::nearest(f32::from_bits(own[at])).to_bits());
+    }
 }
 
 /// Fills whole records of invocations, the first of them for invocation `first_invocation` of `first_case`.
@@ -105,6 +118,7 @@ pub(super) fn fill_invocations(
         };
         planned.generator.fill_rows(&planned.group, rows);
     }
+    halve(plan.invocation_record(), words);
 }
 
 #[cfg(test)]

@@ -427,7 +427,7 @@ impl Type {
             Self::Scalar(s) => Some(value::Shape::vector(scalar(*s)?, 1)),
             Self::Vector(s, n) => Some(value::Shape::vector(scalar(*s)?, *n)),
             Self::Matrix(s, columns, rows) => {
-                Some(value::Shape { scalar: scalar(*s)?, columns: *columns, rows: *rows, array: None })
+                Some(value::Shape { scalar: scalar(*s)?, columns: *columns, rows: *rows, array: None, half: false })
             }
             Self::Array(element, ArraySize::Known(n)) => {
                 let shape = element.shape()?;

@@ -32,6 +32,9 @@ pub struct Shape {
     pub rows: u8,
     /// Number of elements when it is an array.
     pub array: Option<u32>,
+    /// True for numbers of binary16, which are given as those of binary32.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub half: bool,
 }
 
 impl Shape {
@@ -46,17 +49,23 @@ impl Shape {
     /// A `vec4`.
     pub const VEC4: Self = Self::vector(Scalar::F32, 4);
     /// A `mat4`.
-    pub const MAT4: Self = Self { scalar: Scalar::F32, columns: 4, rows: 4, array: None };
+    pub const MAT4: Self = Self { scalar: Scalar::F32, columns: 4, rows: 4, array: None, half: false };
 
     /// A vector of `rows` components; one component is a scalar.
     pub const fn vector(scalar: Scalar, rows: u8) -> Self {
-        Self { scalar, columns: 1, rows, array: None }
+        Self { scalar, columns: 1, rows, array: None, half: false }
     }
 
     /// An array of `len` such values.
     #[must_use]
     pub const fn array_of(self, len: u32) -> Self {
         Self { array: Some(len), ..self }
+    }
+
+    /// The same with numbers of binary16.
+    #[must_use]
+    pub const fn halved(self) -> Self {
+        Self { half: true, ..self }
     }
 
     /// The shape of one element.
@@ -101,6 +110,7 @@ impl fmt::Display for Shape {
     /// The GLSL spelling, such as `vec3`, `mat4x3`, `int[8]`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (scalar, prefix) = match self.scalar {
+            Scalar::F32 if self.half => ("float16_t", "f16"),
             Scalar::F32 => ("float", ""),
             Scalar::I32 => ("int", "i"),
             Scalar::U32 => ("uint", "u"),
@@ -109,8 +119,8 @@ impl fmt::Display for Shape {
         match (self.columns, self.rows) {
             (1, 1) => f.write_str(scalar)?,
             (1, n) => write!(f, "{prefix}vec{n}")?,
-            (c, r) if c == r => write!(f, "mat{c}")?,
-            (c, r) => write!(f, "mat{c}x{r}")?,
+            (c, r) if c == r => write!(f, "{prefix}mat{c}")?,
+            (c, r) => write!(f, "{prefix}mat{c}x{r}")?,
         }
         self.array.map_or(Ok(()), |len| write!(f, "[{len}]"))
     }
@@ -136,16 +146,21 @@ impl FromStr for Shape {
             }
         };
         let base = base.trim();
+        // Numbers of binary16 have names of their own: `float16_t`, `f16vec2`.
+        if let Some(rest) = base.strip_prefix("f16").filter(|rest| rest.starts_with("vec") || rest.starts_with("mat")) {
+            return Ok(Self { array, ..rest.parse::<Self>()?.halved() });
+        }
         let size = |s: &str| s.parse::<u8>().ok().filter(|n| (2..=4).contains(n));
         let element = match base {
             "float" => Self::FLOAT,
+            "float16_t" => Self::FLOAT.halved(),
             "int" => Self::INT,
             "uint" => Self::vector(Scalar::U32, 1),
             "bool" => Self::vector(Scalar::Bool, 1),
             _ if base.starts_with("mat") => {
                 let (columns, rows) = base[3..].split_once('x').unwrap_or((&base[3..], &base[3..]));
                 let (columns, rows) = (size(columns).ok_or_else(bad)?, size(rows).ok_or_else(bad)?);
-                Self { scalar: Scalar::F32, columns, rows, array: None }
+                Self { scalar: Scalar::F32, columns, rows, array: None, half: false }
             }
             _ => {
                 let (prefix, n) = base.split_once("vec").ok_or_else(bad)?;
@@ -169,10 +184,12 @@ mod tests {
 
     #[test]
     fn spelling_reads_back() {
-        for text in ["float", "ivec3", "mat4", "mat2x3", "vec4[8]", "uint[2]", "bvec2"] {
+        for text in
+            ["float", "ivec3", "mat4", "mat2x3", "vec4[8]", "uint[2]", "bvec2", "float16_t", "f16vec2[4]", "f16mat2"]
+        {
             assert_eq!(text.parse::<Shape>().unwrap().to_string(), text);
         }
-        for text in ["vec5", "mat1", "sampler2D", "vec4[", "", "dvec2"] {
+        for text in ["vec5", "mat1", "sampler2D", "vec4[", "", "dvec2", "f16ivec2", "f16f16vec2"] {
             assert!(text.parse::<Shape>().is_err(), "{text}");
         }
     }

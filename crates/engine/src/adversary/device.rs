@@ -3,7 +3,7 @@
 use judge::profile::{Allowed, Definition, Entry, Flush, Free, Interval, Op, Profile, Rule, accept, accept_near, grid};
 use lanes::Stage;
 
-use judge::tape::lowered::{self, LARGEST, SMALLEST};
+use judge::tape::lowered::{self, SMALLEST, largest};
 use program::Grade;
 use program::interp::halved;
 
@@ -140,11 +140,18 @@ impl Device {
     /// allow of the binary32 number that it stands for.
     pub(crate) fn lowered(&self, grade: Grade, op: Option<Op>, argument: f64, x: f32, place: Place) -> f32 {
         let exact = f64::from(x);
-        if grade == Grade::Full || !x.is_finite() || (op.is_none() && halved(x) == x && within_range(exact)) {
+        let given = op.is_none_or(|op| grade == Grade::Half && lowered::rounds_once(op));
+        if grade == Grade::Full || !x.is_finite() || (given && halved(x) == x && within_range(grade, exact)) {
             return x;
         }
+        if grade == Grade::Half && op.is_some_and(lowered::keeps) {
+            return x;
+        }
+        // Of a power, the argument is what is lost on the way to it: the least of that.
+        let argument = if op == Some(Op::Pow) { 0.0 } else { argument };
+        let limit = largest(grade);
         let mut choice = Choice::new(self.seed, self.strategy, place, 3 + Op::ALL.len() as u64, &[exact]);
-        if exact.abs() > LARGEST && choice.decide(5) {
+        if exact.abs() > limit && choice.decide(5) {
             return f32::INFINITY.copysign(x);
         }
         // What is flushed may be off by all of itself, and what is not is as it was: an operand is taken as it was given.
@@ -152,7 +159,7 @@ impl Device {
             return if choice.decide(6) { 0.0 } else { halved(x) };
         }
         // Half of the range: there, what is allowed has an end, and nothing is flushed.
-        let size = exact.abs().min(LARGEST / 2.0);
+        let size = exact.abs().min(limit / 2.0);
         let reach = lowered::error(grade, op, argument, [2.0 * size.max(1.0), size]);
         let interval = Interval { lo: exact - reach, hi: exact + reach };
         let found = halved(choice.within(interval, exact) as f32);
@@ -204,8 +211,8 @@ impl Device {
     }
 }
 
-fn within_range(x: f64) -> bool {
-    x == 0.0 || (SMALLEST..=LARGEST).contains(&x.abs())
+fn within_range(grade: Grade, x: f64) -> bool {
+    x == 0.0 || (SMALLEST..=largest(grade)).contains(&x.abs())
 }
 
 /// The first binary32 number that is at least `factor` times as far from the exact value as the end

@@ -1,6 +1,7 @@
 //! What a host does around a dispatch: how many workgroups, how long the buffers are, what is in them.
 
-use program::interp::group::{Buffer, Dispatch, Leaf, MemoryShape, Outcome, Space};
+use program::interp::group::{Buffer, Dispatch, InMemory, Leaf, MemoryShape, Outcome, Space, WIDTH};
+use program::interp::{Column, Number, Plain};
 
 use super::Dispatched;
 use crate::guess::words_of;
@@ -24,6 +25,8 @@ pub(super) struct Scenario {
     pub settings: Vec<(String, u32)>,
     /// Invocations that have no element: they fill up the workgroups.
     pub surplus: u64,
+    /// Invocations of a subgroup.
+    pub subgroup: u32,
 }
 
 /// How the length of an array follows from the elements of a dispatch.
@@ -33,6 +36,15 @@ pub(super) enum Length {
     Grows { with: Measure, times: (u64, u64), plus: u64 },
     /// Nothing that was tried says how.
     Unknown(u64),
+}
+
+/// What a guard in a shader says of the elements of an array.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Guard {
+    /// So many for each element of the dispatch.
+    Times(u64),
+    /// So many, whatever is dispatched.
+    Elements(u64),
 }
 
 /// A number of a dispatch.
@@ -148,8 +160,13 @@ impl Dispatched {
         let groups = sizes.map(|items| self.groups(items));
         let several = self.several(sizes, &reached);
         let one = |(k, reached): (usize, Vec<Option<u64>>)| {
-            if let Some(times) = several[k] {
-                return Length::Grows { with: Measure::All, times: (times, 1), plus: 0 };
+            match several[k] {
+                Some(Guard::Times(times)) => {
+                    return Length::Grows { with: Measure::All, times: (times, 1), plus: 0 };
+                }
+                // A constant of the shader says how many there are, whatever is dispatched.
+                Some(Guard::Elements(n)) => return Length::Grows { with: Measure::One, times: (n, 1), plus: 0 },
+                None => {}
             }
             // Who asks for the length makes do with any.
             if self.uses.lengths.contains(&(k as u32)) {
@@ -159,9 +176,14 @@ impl Dispatched {
                 return Length::Unknown(ROOM as u64);
             };
             // Where elements fill the workgroups, both grow alike: fewer than one for each element are some for each
-            // workgroup.
+            // workgroup, and so are several where an invocation knows no more than its workgroup: a row each.
             let few = (0..3).all(|n| reached[n] < Measure::All.of(sizes[n], groups[n]));
-            let first = if few { [Measure::Groups, Measure::All] } else { [Measure::All, Measure::Groups] };
+            let many = (0..3).all(|n| reached[n] > Measure::All.of(sizes[n], groups[n]));
+            let first = if few || (many && !self.executable.reads_place()) {
+                [Measure::Groups, Measure::All]
+            } else {
+                [Measure::All, Measure::Groups]
+            };
             let measures = [first[0], Measure::Along(0), Measure::Along(1), first[1], Measure::One];
             let at = |with: Measure, n: usize| with.of(sizes[n], groups[n]);
             let varies = |with: Measure| with == Measure::One || (0..3).any(|n| at(with, n) != at(with, 0));
@@ -184,10 +206,10 @@ impl Dispatched {
     /// Of each array, how many elements there are for one of the dispatch, where a guard in the shader says so and several
     /// dispatches, or a longer one, are to reach them: `if (i < 9 * count)`. More workgroups than the elements fill reach
     /// farther there, up to the guard.
-    fn several(&self, sizes: [[u32; 3]; 3], reached: &[Vec<Option<u64>>]) -> Vec<Option<u64>> {
+    fn several(&self, sizes: [[u32; 3]; 3], reached: &[Vec<Option<u64>>]) -> Vec<Option<Guard>> {
         let none = vec![None; reached.len()];
         if self.alone || self.axes.is_empty() {
-            return none;
+            return vec![None; reached.len()];
         }
         let wide = |items: [u32; 3], times: u32| {
             let mut scenario = self.scenario(items, None, 0);
@@ -199,12 +221,12 @@ impl Dispatched {
         let first = wide(sizes[0], WIDE);
         let grows = |k: usize| first[k].zip(reached[k][0]).is_some_and(|(wide, own)| wide > own);
         if !(0..reached.len()).any(grows) {
-            return none;
+            return vec![None; reached.len()];
         }
         // What grows with the workgroups has no guard.
         let wider = wide(sizes[0], WIDE + 1);
         let all = [&first, &wide(sizes[1], WIDE), &wide(sizes[2], WIDE)];
-        let mut found = none.clone();
+        let mut found = vec![None; reached.len()];
         for k in (0..reached.len()).filter(|&k| grows(k) && wider[k] == first[k]) {
             let parts = |n: usize| {
                 let items: u64 = sizes[n].iter().map(|&n| u64::from(n)).product();
@@ -212,7 +234,9 @@ impl Dispatched {
             };
             // One more than a multiple is a guard that is off by one.
             let whole = parts(0).filter(|&(times, rest)| times > 1 && rest <= 1);
-            found[k] = whole.filter(|_| (1..3).all(|n| parts(n) == whole)).map(|(times, _)| times);
+            let times = whole.filter(|_| (1..3).all(|n| parts(n) == whole)).map(|(times, _)| Guard::Times(times));
+            let one = first[k].filter(|_| all.iter().all(|wide| wide[k] == first[k])).map(Guard::Elements);
+            found[k] = times.or(one);
         }
         found
     }
@@ -269,12 +293,20 @@ impl Dispatched {
         }
         let product = |all: [u32; 3]| -> u64 { all.iter().map(|&n| u64::from(n)).product() };
         let surplus = (product(groups) * product(self.size)).saturating_sub(product(items));
-        Scenario { groups, buffers, settings, surplus }
+        Scenario { groups, buffers, settings, surplus, subgroup: WIDTH }
     }
 
     /// Runs a scenario. Loads outside of an array give the bits of `outside`.
     pub(super) fn play(&self, scenario: &Scenario, outside: u32) -> Outcome {
-        self.executable.dispatch::<f32>(&Dispatch {
+        self.play_in::<f32>(scenario, outside)
+    }
+
+    /// The same in numbers of a type.
+    pub(super) fn play_in<N: Number>(&self, scenario: &Scenario, outside: u32) -> Outcome
+    where
+        Plain<N>: InMemory<Column = Column<N>, Cell = N>,
+    {
+        self.executable.dispatch::<N>(&Dispatch {
             size: self.size,
             groups: scenario.groups,
             buffers: &scenario.buffers,
@@ -284,6 +316,7 @@ impl Dispatched {
             work: WORK,
             watched: true,
             order: 0,
+            subgroup: scenario.subgroup,
         })
     }
 }

@@ -14,6 +14,7 @@ mod host;
 mod run;
 mod stated;
 mod tell;
+mod widths;
 
 use program::interp::group::{Depends, Uses};
 use program::interp::{self, Executable};

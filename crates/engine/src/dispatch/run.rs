@@ -28,17 +28,17 @@ pub(super) struct Met {
 
 /// Dispatches a stage in many sizes, and adds what is found to its report. `command` shows it again.
 pub fn run(subject: &Dispatched, command: &str, report: &mut FunctionReport) {
-    let lengths = subject.lengths();
+    let (lengths, widths) = (subject.lengths(), subject.widths());
     let mut met: Vec<Met> = Vec::new();
     let mut endless: Vec<(Hazard, Scenario)> = Vec::new();
     let mut cut_off: Option<(u64, Scenario)> = None;
     let mut unknown: Option<Finding> = None;
     for items in subject.sizes() {
-        for variant in 0..VARIANTS {
+        for (variant, subgroup) in (0..VARIANTS).flat_map(|variant| widths.iter().map(move |&width| (variant, width))) {
             if interrupt::asked() {
                 break;
             }
-            let scenario = subject.scenario(items, Some(&lengths), variant);
+            let scenario = Scenario { subgroup, ..subject.scenario(items, Some(&lengths), variant) };
             let outcome = subject.play(&scenario, 0);
             report.dispatches += 1;
             if !outcome.whole && !interrupt::asked() {
@@ -60,6 +60,7 @@ pub fn run(subject: &Dispatched, command: &str, report: &mut FunctionReport) {
     found.extend(endless.iter().map(|(hazard, scenario)| subject.told_endless(hazard, scenario, command)));
     found.extend(cut_off.map(|(count, scenario)| subject.told_cut_off(count, &scenario, command)));
     found.extend(unknown);
+    found.extend(subject.told_width(&lengths, command));
     report.findings.extend(found);
     report.findings.sort_by_key(|finding| (finding.severity, finding.kind));
 }

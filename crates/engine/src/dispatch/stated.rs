@@ -1,7 +1,7 @@
 //! A dispatch as a suite states it: whether its invocations get in each other's way with the contents that it gives buffers.
 
 use base::value::Batch;
-use program::interp::group::{Buffer, Space, Wrong};
+use program::interp::group::{Buffer, Space, WIDTH, Wrong};
 use program::{Form, Kernel, Program};
 
 use super::Dispatched;
@@ -27,10 +27,10 @@ pub fn open_meaning(author: &Program, kernel: &Kernel, batch: &Batch) -> Result<
             about.map_or_else(Buffer::default, |about| about.filled(shape, batch, k))
         });
         let buffers = memories.collect();
-        let scenario = Scenario { groups: *groups, buffers, settings: Vec::new(), surplus: 0 };
+        let scenario = Scenario { groups: *groups, buffers, settings: Vec::new(), surplus: 0, subgroup: WIDTH };
         let outcome = subject.play(&scenario, 0);
         for incident in outcome.incidents {
-            let open = matches!(incident.what, Wrong::Race | Wrong::Divergence);
+            let open = matches!(incident.what, Wrong::Race | Wrong::Divergence | Wrong::Apart);
             if open && met.iter().all(|own| !own.incident.is_same(&incident)) {
                 let scenario = scenario.clone();
                 met.push(Met { incident, scenario, length: None, guarded: false, harmless: false });

@@ -22,7 +22,7 @@ impl Dispatched {
         let kind = match incident.what {
             Wrong::Outside => FuzzFindingKind::Index,
             Wrong::Race | Wrong::SameValue => FuzzFindingKind::Race,
-            Wrong::Divergence => FuzzFindingKind::Divergence,
+            Wrong::Divergence | Wrong::Apart => FuzzFindingKind::Divergence,
             Wrong::Unwritten => FuzzFindingKind::Unset,
         };
         let severity = self.severity(met, shape, sources);
@@ -77,9 +77,9 @@ impl Dispatched {
             Wrong::Outside => self.severity_outside(met, shape, certain, by_contents),
             _ if certain => Severity::Finding,
             // Where all invocations take one branch, nobody is missing.
-            Wrong::Divergence if !by_contents => Severity::Finding,
+            Wrong::Divergence | Wrong::Apart if !by_contents => Severity::Finding,
             Wrong::Race | Wrong::Unwritten if shared && (fixed || !by_contents) => Severity::Finding,
-            Wrong::Divergence | Wrong::Unwritten => Severity::Warning,
+            Wrong::Divergence | Wrong::Apart | Wrong::Unwritten => Severity::Warning,
             Wrong::Race if shared || !by_contents || mixed => Severity::Warning,
             Wrong::Race => Severity::Note,
         }
@@ -145,7 +145,12 @@ impl Dispatched {
             }
             (Wrong::Unwritten, _) => format!("{who} reads `{place}`, to which nobody has written"),
             (Wrong::Race | Wrong::SameValue, None) => format!("{who} meets another one at `{place}`"),
+            (Wrong::Apart, Some(other)) => format!(
+                "{who} does not reach this operation of its subgroup, in which {} is",
+                self.invocation(other, groups)
+            ),
             (Wrong::Divergence, None) => format!("{who} does not reach this barrier"),
+            (Wrong::Apart, None) => format!("{who} does not reach this operation of its subgroup"),
         }
     }
 
@@ -167,7 +172,7 @@ impl Dispatched {
         place(&self.program, &self.executable, Some(site)).map_or_else(String::new, |place| format!(" at {}", place.at))
     }
 
-    fn finding(
+    pub(super) fn finding(
         &self,
         kind: FuzzFindingKind,
         severity: Severity,
@@ -213,6 +218,9 @@ impl Dispatched {
             value(WORKGROUPS.to_owned(), trimmed(scenario.groups)),
             value("invocations of each".to_owned(), trimmed(self.size)),
         ];
+        if self.executable.has_subgroups() {
+            all.push(value("invocations of a subgroup".to_owned(), vec![scenario.subgroup]));
+        }
         for (shape, buffer) in self.executable.memories().iter().zip(&scenario.buffers) {
             if shape.array.is_some() {
                 all.push(value(format!("elements of `{}`", shape.name), vec![buffer.elements]));

@@ -345,7 +345,7 @@ mod tests {
             !admits(&[Law::NonZero], Shape::VEC2, &[0.0, -0.0]) && admits(&[Law::NonZero], Shape::VEC2, &[0.0, 1.0])
         );
         assert!(!admits(&[Law::Whole], Shape::FLOAT, &[0.5]) && admits(&[Law::Whole], Shape::FLOAT, &[-3.0]));
-        let mat2 = Shape { scalar: Scalar::F32, columns: 2, rows: 2, array: None };
+        let mat2 = Shape { scalar: Scalar::F32, columns: 2, rows: 2, array: None, half: false };
         assert!(admits(&[Law::Rotation], mat2, &[0.0, 1.0, -1.0, 0.0]));
         assert!(!admits(&[Law::Rotation], mat2, &[2.0, 0.0, 0.0, 1.0]));
         assert!(!admits(&[], Shape::FLOAT, &[f32::NAN]) && !admits(&[], Shape::FLOAT, &[f32::INFINITY]));

@@ -50,6 +50,8 @@ pub enum FuzzFindingKind {
     Race,
     /// A barrier that not all invocations of a workgroup reach.
     Divergence,
+    /// What a dispatch gives depends on how many invocations make a subgroup.
+    SubgroupWidth,
     /// Rounding is enlarged so much that an output has few right digits.
     IllConditioned,
     /// An output is too large for binary32.
@@ -88,6 +90,7 @@ impl FuzzFindingKind {
             Self::IntegerOverflow => "integer_overflow",
             Self::Race => "race",
             Self::Divergence => "divergence",
+            Self::SubgroupWidth => "subgroup_width",
             Self::IllConditioned => "ill_conditioned",
             Self::TooLarge => "too_large",
             Self::RoundingOrder => "rounding_order",
@@ -102,7 +105,7 @@ impl FuzzFindingKind {
         match self {
             Self::LaneDeviation | Self::NotDeterministic | Self::LaneFailed => Severity::Finding,
             // Dispatches are judged where they are run.
-            Self::Race | Self::Divergence => Severity::Finding,
+            Self::Race | Self::Divergence | Self::SubgroupWidth => Severity::Finding,
             Self::NoValue
             | Self::Infinite
             | Self::Overflow

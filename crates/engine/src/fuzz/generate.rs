@@ -88,6 +88,11 @@ pub fn batch(
     batch
 }
 
+/// The nearest number of binary16; what is larger than all of them is the largest.
+fn halved(x: f32) -> f32 {
+    if x.is_finite() { program::interp::halved(x.clamp(-65504.0, 65504.0)) } else { x }
+}
+
 struct Maker<'s> {
     stream: &'s mut Stream,
     reach: Reach,
@@ -119,6 +124,9 @@ impl Maker<'_> {
         for _ in 0..16 {
             if field.shape.scalar == Scalar::F32 {
                 self.reals(field, input, out);
+                if field.shape.half {
+                    out.iter_mut().for_each(|word| *word = halved(f32::from_bits(*word)).to_bits());
+                }
             } else {
                 let interval = input.interval();
                 out.iter_mut().for_each(|word| *word = self.whole(field.shape.scalar, interval));
@@ -439,7 +447,7 @@ mod tests {
 
     #[test]
     fn identity_and_singular_matrices_come_up() {
-        let mat2 = Shape { scalar: Scalar::F32, columns: 2, rows: 2, array: None };
+        let mat2 = Shape { scalar: Scalar::F32, columns: 2, rows: 2, array: None, half: false };
         let (batch, _) = samples(&[("m", mat2)], &[]);
         assert!(rows(&batch).filter(|m| m[..] == [1.0, 0.0, 0.0, 1.0]).count() > 100);
         let singular = |m: &Vec<f64>| m[0] * m[3] == m[1] * m[2] && m.iter().any(|x| *x != 0.0);
@@ -449,7 +457,7 @@ mod tests {
     #[test]
     fn stated_domains_are_kept() {
         let fields = [("x", Shape::FLOAT), ("n", Shape::VEC3), ("k", Shape::INT), ("v", Shape::VEC2.array_of(3))];
-        let mat3 = Shape { scalar: Scalar::F32, columns: 3, rows: 3, array: None };
+        let mat3 = Shape { scalar: Scalar::F32, columns: 3, rows: 3, array: None, half: false };
         let fields = [&fields[..], &[("m", mat3)]].concat();
         let (batch, domain) =
             samples(&fields, &["x=(0,1]", "n=normalised", "k=[2,5]", "v=[-1,1];v=nonzero", "m=rotation"]);

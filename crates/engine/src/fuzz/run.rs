@@ -569,6 +569,7 @@ fn message(named: &Named, shown: &str) -> String {
         | FuzzFindingKind::LaneFailed
         | FuzzFindingKind::Race
         | FuzzFindingKind::Divergence
+        | FuzzFindingKind::SubgroupWidth
         | FuzzFindingKind::MediumpOverflow
         | FuzzFindingKind::MediumpUnderflow
         | FuzzFindingKind::MediumpDigits => named.kind.name().to_owned(),

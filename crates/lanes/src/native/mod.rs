@@ -23,7 +23,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use super::remote::{self, Engine, Front, Here, Work};
-use super::{Api, Candidate, Description, Lane, LaneError, Runner, Stage, Unavailable, vulkan, worker};
+use super::{Api, Candidate, Description, Lane, LaneError, Runner, Stage, Unavailable, check_asked, vulkan, worker};
 use base::text::printable;
 use base::value::Record;
 use program::{Attribute, BoundBuffer, Drawn, Form, Kernel, OutputLayout, Primitives, Program, Role, Written};
@@ -169,6 +169,7 @@ struct Glslang {
 
 impl Front for Glslang {
     fn work(&self, kernel: &Kernel) -> Result<Work, LaneError> {
+        check_asked(kernel)?;
         let program = &*kernel.program;
         let unsupported = |what: &str| Err(LaneError::Unsupported(what.to_owned()));
         // A dispatch is the author's text, whose buffers are fed and read as a host does it.

@@ -24,7 +24,7 @@ mod uniforms;
 mod tests;
 
 use super::worker::with_inputs;
-use super::{Actual, Description, Lane, LaneError, Marks, Runner};
+use super::{Actual, Description, Lane, LaneError, Marks, Runner, check_asked};
 use base::value::Batch;
 use program::interp::{self, Binary32, Executable, Meaning};
 use program::lower::Role;
@@ -95,6 +95,7 @@ impl Lane for OpenGl {
     }
 
     fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
+        check_asked(kernel)?;
         let job = ask::job(kernel)?;
         // A driver may leave a loop that has no end, and go on with what it has.
         // Of a dispatch, the judge looks at every invocation before the lane is asked.

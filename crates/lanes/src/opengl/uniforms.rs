@@ -233,7 +233,7 @@ mod tests {
     #[test]
     fn words_go_where_the_driver_says() {
         let at = |layout: &Layout, shape, n| layout.words(shape, n).map(|(_, at)| at).collect::<Vec<_>>();
-        let matrix = Shape { scalar: Scalar::F32, columns: 2, rows: 3, array: None };
+        let matrix = Shape { scalar: Scalar::F32, columns: 2, rows: 3, array: None, half: false };
         let columns = Layout { offset: 16, array: 0, matrix: 16, rows_first: false };
         assert_eq!(at(&columns, matrix, 1), [4, 5, 6, 8, 9, 10]);
         // In rows, the first column is the first word of each row.

@@ -13,7 +13,9 @@ mod tests;
 use std::sync::Arc;
 
 use super::remote::{self, Engine, Front, Here, Work};
-use super::{Api, Candidate, Description, Lane, LaneError, LaneName, Runner, Stage, Unavailable, interned, worker};
+use super::{
+    Api, Candidate, Description, Lane, LaneError, LaneName, Runner, Stage, Unavailable, check_asked, interned, worker,
+};
 use base::text::printable;
 use base::value::Record;
 use program::{Form, Kernel, OutputLayout, Texture, contain};
@@ -223,6 +225,7 @@ impl Front for Naga {
     }
 
     fn work(&self, kernel: &Kernel) -> Result<Work, LaneError> {
+        check_asked(kernel)?;
         if matches!(kernel.form, Form::Geometry) {
             return Err(LaneError::Unsupported("geometry stages; they run as compute".to_owned()));
         }

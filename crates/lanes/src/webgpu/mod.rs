@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use super::worker::{Program, Worker};
-use super::{Api, Candidate, Description, Lane, LaneError, Runner, Stage, Unavailable, vulkan};
+use super::{Api, Candidate, Description, Lane, LaneError, Runner, Stage, Unavailable, check_asked, vulkan};
 use base::text::printable;
 use program::{Form, Kernel, Program as Shader};
 
@@ -140,6 +140,7 @@ impl Lane for WebGpu {
     }
 
     fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
+        check_asked(kernel)?;
         let unsupported = |what: &str| Err(LaneError::Unsupported(what.to_owned()));
         match kernel.form {
             Form::Compute | Form::Uniforms => {}

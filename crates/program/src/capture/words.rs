@@ -10,17 +10,21 @@ type Expr = Handle<Expression>;
 /// The shape of a naga type; `None` for types that cannot be captured word by word.
 pub fn shape_of(module: &Module, ty: Handle<Type>) -> Option<Shape> {
     let scalar_of = |scalar: naga::Scalar| match (scalar.kind, scalar.width) {
-        (ScalarKind::Float, 4) => Some(Scalar::F32),
+        (ScalarKind::Float, 2 | 4) => Some(Scalar::F32),
         (ScalarKind::Sint, 4) => Some(Scalar::I32),
         (ScalarKind::Uint, 4) => Some(Scalar::U32),
         (ScalarKind::Bool, _) => Some(Scalar::Bool),
         _ => None,
     };
+    let half = |scalar: naga::Scalar| scalar == naga::Scalar::F16;
     match module.types[ty].inner {
-        TypeInner::Scalar(scalar) => Some(Shape::vector(scalar_of(scalar)?, 1)),
-        TypeInner::Vector { size, scalar } => Some(Shape::vector(scalar_of(scalar)?, size as u8)),
+        TypeInner::Scalar(scalar) => Some(Shape { half: half(scalar), ..Shape::vector(scalar_of(scalar)?, 1) }),
+        TypeInner::Vector { size, scalar } => {
+            Some(Shape { half: half(scalar), ..Shape::vector(scalar_of(scalar)?, size as u8) })
+        }
         TypeInner::Matrix { columns, rows, scalar } => {
-            Some(Shape { scalar: scalar_of(scalar)?, columns: columns as u8, rows: rows as u8, array: None })
+            let (columns, rows) = (columns as u8, rows as u8);
+            Some(Shape { scalar: scalar_of(scalar)?, columns, rows, array: None, half: half(scalar) })
         }
         TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
             let element = shape_of(module, base)?;
@@ -90,6 +94,12 @@ fn literal(b: &mut Builder, kind: ScalarKind, word: u32) -> Expr {
     b.name(Expression::Literal(literal))
 }
 
+/// A real number of binary32 as one of a type, or one of a type as one of binary32.
+fn of_width(b: &mut Builder, scalar: naga::Scalar, value: Expr) -> Expr {
+    let (kind, convert) = (scalar.kind, Some(scalar.width));
+    if scalar.kind == ScalarKind::Float { b.compute(Expression::As { expr: value, kind, convert }) } else { value }
+}
+
 /// Builds a value of type `ty` from the words that are supplied, beginning `offset` words in.
 pub fn load(b: &mut Builder, module: &Module, from: Supply<'_>, offset: &mut u32, ty: Handle<Type>) -> Option<Expr> {
     if let (Supply::Arguments(arguments), TypeInner::Scalar(scalar) | TypeInner::Vector { scalar, .. }) =
@@ -111,7 +121,8 @@ pub fn load(b: &mut Builder, module: &Module, from: Supply<'_>, offset: &mut u32
             let at = *offset;
             *offset += 1;
             if let Supply::Literals(words) = from {
-                return Some(literal(b, scalar.kind, *words.get(at as usize)?));
+                let whole = literal(b, scalar.kind, *words.get(at as usize)?);
+                return Some(of_width(b, scalar, whole));
             }
             let word = word(b, from, at)?;
             return Some(match scalar.kind {
@@ -120,7 +131,10 @@ pub fn load(b: &mut Builder, module: &Module, from: Supply<'_>, offset: &mut u32
                     let zero = b.u32(0);
                     b.binary(BinaryOperator::NotEqual, word, zero)
                 }
-                kind => b.bitcast(word, kind),
+                kind => {
+                    let whole = b.bitcast(word, kind);
+                    of_width(b, scalar, whole)
+                }
             });
         }
         TypeInner::Vector { size, scalar } => {
@@ -149,6 +163,10 @@ pub fn store(b: &mut Builder, module: &Module, at: WordsAt, offset: &mut u32, ty
                 ScalarKind::Bool => {
                     let (one, zero) = (b.u32(1), b.u32(0));
                     b.compute(Expression::Select { condition: value, accept: one, reject: zero })
+                }
+                ScalarKind::Float => {
+                    let whole = of_width(b, naga::Scalar::F32, value);
+                    b.bitcast(whole, ScalarKind::Uint)
                 }
                 _ => b.bitcast(value, ScalarKind::Uint),
             };

@@ -7,7 +7,7 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::domain::{Binary, Class, Comparison, FromWords, Site, ToWords, Unary, WordSource};
-use super::group::{MemoryAccess, MemoryShape};
+use super::group::{MemoryAccess, MemoryShape, Subgroup};
 use super::meaning::HazardKind;
 use super::rearrange::Draft;
 use base::value::Scalar;
@@ -389,6 +389,8 @@ pub(super) enum Inst {
     Barrier {
         site: Site,
     },
+    /// Invocations of a subgroup see each other's values.
+    Subgroup(Subgroup),
     Break,
     Continue,
     Return,
@@ -511,6 +513,7 @@ impl Inst {
             // The condition at the end of a loop is read inside it.
             Self::Loop { .. } | Self::Call { .. } => {}
             Self::Barrier { .. } => {}
+            Self::Subgroup(inst) => inst.registers(f),
             Self::Break | Self::Continue | Self::Return | Self::Kill | Self::EmitVertex | Self::EndPrimitive => {}
         }
     }
@@ -532,6 +535,8 @@ pub struct Place {
 pub(super) struct Fill {
     pub to: Register,
     pub source: WordSource,
+    /// What it takes are numbers of binary16.
+    pub half: bool,
 }
 
 /// A constant in a register.

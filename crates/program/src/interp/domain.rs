@@ -34,6 +34,7 @@ impl Site {
             Grade::Full => 0,
             Grade::Medium => 1 << 28,
             Grade::Low => 2 << 28,
+            Grade::Half => 3 << 28,
         };
         Self(self.0 & NUMBER | grade | u32::from(manner.precise) << 30)
     }
@@ -43,13 +44,14 @@ impl Site {
         (self.0 & NUMBER) as usize
     }
 
-    /// The precision at which its operations are done: full, but in a program that was compiled to be
-    /// [lowered](super::compile_lowered).
+    /// The precision at which its operations are done: that of binary16 for numbers of that type; else full, but in a
+    /// program that was compiled to be [lowered](super::compile_lowered).
     pub fn grade(self) -> Grade {
         match self.0 >> 28 & 3 {
             0 => Grade::Full,
             1 => Grade::Medium,
-            _ => Grade::Low,
+            2 => Grade::Low,
+            _ => Grade::Half,
         }
     }
 

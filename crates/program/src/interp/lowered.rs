@@ -2,7 +2,7 @@
 
 use super::code::Guarded;
 use super::domain::{Binary, Class, Comparison, Domain, FromWords, Site, ToWords, Unary, WordSource};
-use super::half;
+use super::halved;
 use super::plain::{Binary32, Column};
 use super::slots::{Mask, Words};
 use crate::Grade;
@@ -16,12 +16,6 @@ use base::value::Scalar;
 #[derive(Clone, Debug, Default)]
 pub struct Half {
     wide: Binary32,
-}
-
-/// The nearest number of binary16.
-pub fn halved(x: f32) -> f32 {
-    // A mark of what was never written is kept.
-    if x.is_nan() { x } else { half::from_bits(half::to_bits(f64::from(x))) as f32 }
 }
 
 fn is_lower(site: Site) -> bool {

@@ -158,6 +158,9 @@ impl<'e, D: Domain> Machine<'e, D> {
                 WordSource::Invocation(word) => gather(&batch.invocations[word as usize..], &own, &mut column),
                 WordSource::Case(word) => gather(&batch.cases[word as usize..], &of_case, &mut column),
             }
+            if fill.half {
+                column = column.map(|word| super::halved(f32::from_bits(word)).to_bits());
+            }
             let reg = fill.to.reg as usize;
             match fill.to.scalar {
                 Scalar::F32 => self.domain.input(fill.source, &column, &mut self.reals[reg]),
@@ -371,7 +374,7 @@ impl<'e, D: Domain> Machine<'e, D> {
                 self.active = Mask::NONE;
             }
             // A program with shared memory is run by a group, which does these itself.
-            Inst::Memory(_) | Inst::Length { .. } | Inst::Barrier { .. } => {}
+            Inst::Memory(_) | Inst::Length { .. } | Inst::Barrier { .. } | Inst::Subgroup(_) => {}
             Inst::Agree { first, others, site } => {
                 let first = &self.words[*first as usize];
                 let differs = |slot: usize| others.iter().any(|&reg| self.words[reg as usize][slot] != first[slot]);

@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use super::code::Guarded;
 use super::domain::{Binary, Class, Comparison, Domain, FromWords, Site, ToWords, Unary, WordSource};
-use super::half;
 use super::slots::{Mask, SLOTS, Words};
+use crate::Grade;
 use base::value::Scalar;
+use number::half;
 
 /// A type of floating-point numbers.
 pub trait Number:
@@ -49,6 +50,8 @@ pub trait Number:
     fn is_poison(self) -> bool;
     /// The mark of what was never written: a quiet NaN with a payload of its own.
     fn poison() -> Self;
+    /// The number as one of binary16 where numbers have digits to lose: the nearest; `None` for real numbers.
+    fn halved(self) -> Option<Self>;
 
     /// A function on all slots, each result rounded once.
     fn column(function: &number::Unary, a: &[Self; SLOTS], out: &mut [Self; SLOTS]);
@@ -112,6 +115,10 @@ impl Number for f64 {
         // The binary32 mark, widened.
         Self::from_bits(0x7ffa_b479_2000_0000)
     }
+    #[inline]
+    fn halved(self) -> Option<Self> {
+        None
+    }
 
     fn column(function: &number::Unary, a: &[Self; SLOTS], out: &mut [Self; SLOTS]) {
         function.column(a, out);
@@ -157,6 +164,10 @@ impl Number for f32 {
     #[inline]
     fn poison() -> Self {
         Self::from_bits(super::POISON)
+    }
+    #[inline]
+    fn halved(self) -> Option<Self> {
+        Some(super::halved(self))
     }
 
     fn column(function: &number::Unary, a: &[Self; SLOTS], out: &mut [Self; SLOTS]) {
@@ -249,6 +260,16 @@ fn ldexp(x: f64, e: i32) -> f64 {
     x * 2f64.powi(third) * 2f64.powi(third) * 2f64.powi(e - 2 * third)
 }
 
+/// What an operation of binary16 gives. Of sums, products, quotients and roots the rounding by way of binary32 is the one
+/// to binary16: see [`Half`](super::Half).
+#[inline]
+fn narrow<T: Number>(site: Site, active: &Mask, out: &mut Column<T>) {
+    if site.grade() == Grade::Half {
+        let out = out.values_mut();
+        active.each(|slot| out[slot] = out[slot].halved().unwrap_or(out[slot]));
+    }
+}
+
 /// Active slots from which on a column as a whole is quicker than the slots one by one. The results
 /// are the same.
 const WORTH_A_COLUMN: usize = SLOTS / 8;
@@ -332,7 +353,7 @@ impl<T: Number> Domain for Plain<T> {
         }
     }
 
-    fn unary(&mut self, _: Site, op: Unary, active: &Mask, a: &Column<T>, out: &mut Column<T>) {
+    fn unary(&mut self, site: Site, op: Unary, active: &Mask, a: &Column<T>, out: &mut Column<T>) {
         // Functions of the mathematical library cost more than looking at the mask.
         let slow = |a: &Column<T>, out: &mut Column<T>, f: fn(f64) -> f64| {
             let (a, out) = (a.values(), out.values_mut());
@@ -387,9 +408,10 @@ impl<T: Number> Domain for Plain<T> {
             Unary::FrexpFraction => slow(a, out, |x| frexp(x).0),
             Unary::Determinant | Unary::Inverse | Unary::Narrow => self.copy(a, out),
         }
+        narrow(site, active, out);
     }
 
-    fn binary(&mut self, _: Site, op: Binary, active: &Mask, a: &Column<T>, b: &Column<T>, out: &mut Column<T>) {
+    fn binary(&mut self, site: Site, op: Binary, active: &Mask, a: &Column<T>, b: &Column<T>, out: &mut Column<T>) {
         let fast = |a: &Column<T>, b: &Column<T>, out: &mut Column<T>, f: number::Binary| {
             let (a, b, out) = (a.values(), b.values(), out.values_mut());
             if active.count() >= WORTH_A_COLUMN {
@@ -410,13 +432,15 @@ impl<T: Number> Domain for Plain<T> {
             Binary::Atan2 => fast(a, b, out, number::ATAN2),
             Binary::Step => zip(a, b, out, |a, b| if b < a { T::ZERO } else { T::ONE }),
         }
+        narrow(site, active, out);
     }
 
-    fn scale(&mut self, _: Site, a: &Column<T>, exponent: &Words, out: &mut Column<T>) {
+    fn scale(&mut self, site: Site, a: &Column<T>, exponent: &Words, out: &mut Column<T>) {
         let a = a.values();
         for (slot, out) in out.values_mut().iter_mut().enumerate() {
             *out = T::nearest(ldexp(a[slot].widen(), exponent[slot].cast_signed()));
         }
+        narrow(site, &Mask::ALL, out);
     }
 
     fn compare(&mut self, _: Site, op: Comparison, _: &Mask, a: &Column<T>, b: &Column<T>, out: &mut Words) {

@@ -123,7 +123,7 @@ impl ModuleText {
     ) -> Program {
         let wide = |ty: &naga::Type| match ty.inner {
             TypeInner::Scalar(s) | TypeInner::Vector { scalar: s, .. } | TypeInner::Matrix { scalar: s, .. } => {
-                !matches!((s.kind, s.width), (naga::ScalarKind::Bool, _) | (_, 4))
+                !matches!((s.kind, s.width), (naga::ScalarKind::Bool, _) | (_, 4) | (naga::ScalarKind::Float, 2))
             }
             _ => false,
         };
@@ -131,7 +131,7 @@ impl ModuleText {
             && let Some((ty, _)) = module.types.iter().find(|(_, ty)| wide(ty))
         {
             let span = super::wgsl::span_in(&self.file, module.types.get_span(ty)).unwrap_or_default();
-            ports.not_fed("a number of other than 32 bits", span);
+            ports.not_fed("a number of a size that is not run", span);
         }
         Program {
             module,

@@ -1,6 +1,8 @@
 //! Values of `override` constants (WGSL, 7.2.2).
 
-use naga::{Module, ScalarKind, ShaderStage};
+use std::num::NonZeroU32;
+
+use naga::{ArraySize, BinaryOperator, Expression, Handle, Literal, Module, ScalarKind, ShaderStage, Type, TypeInner};
 
 use super::ModuleText;
 use crate::front::{INCOMPLETE, VALIDATOR};
@@ -57,6 +59,8 @@ impl ModuleText {
             };
             given.insert(number.unwrap_or_else(|| name.to_owned()), value);
         }
+        let mut module = module;
+        size_arrays(&mut module, &given);
         let point = module.entry_points.first().map(|point| (point.stage, point.name.clone()));
         let (stage, name) = point.unwrap_or((ShaderStage::Compute, String::new()));
         let info = validate(&module)?;
@@ -74,6 +78,57 @@ impl ModuleText {
                 "choose others",
             )
         })
+    }
+}
+
+/// Gives arrays of the memory of a workgroup the lengths that constants say. Where one cannot be told, its array stays as
+/// it is.
+fn size_arrays(module: &mut Module, given: &naga::back::PipelineConstants) {
+    let pending = module.types.iter().filter_map(|(handle, ty)| match ty.inner {
+        TypeInner::Array { base, size: ArraySize::Pending(constant), stride } => Some((handle, base, constant, stride)),
+        _ => None,
+    });
+    for (handle, base, constant, stride) in pending.collect::<Vec<_>>() {
+        let len = whole(module, given, Expression::Override(constant));
+        let Some(len) = len.and_then(|len| u32::try_from(len).ok()).and_then(NonZeroU32::new) else { continue };
+        let inner = TypeInner::Array { base, size: ArraySize::Constant(len), stride };
+        // Equal types have one place, and this one keeps its own.
+        let name = Some(format!("array_of_{}", handle.index()));
+        module.types.replace(handle, Type { name, inner });
+    }
+}
+
+/// The whole number that a constant expression is, with the values that a host gives.
+fn whole(module: &Module, given: &naga::back::PipelineConstants, of: Expression) -> Option<i64> {
+    let at = |handle: Handle<Expression>| whole(module, given, module.global_expressions[handle].clone());
+    match of {
+        Expression::Literal(Literal::U32(value)) => Some(value.into()),
+        Expression::Literal(Literal::I32(value)) => Some(value.into()),
+        Expression::Literal(Literal::AbstractInt(value)) => Some(value),
+        Expression::Constant(constant) => at(module.constants[constant].init),
+        Expression::Override(constant) => {
+            let constant = &module.overrides[constant];
+            let key = constant.id.map(|id| id.to_string()).or_else(|| constant.name.clone());
+            match key.and_then(|key| given.get(&key)) {
+                Some(value) => Some(*value as i64),
+                None => at(constant.init?),
+            }
+        }
+        Expression::As { expr, kind: ScalarKind::Sint | ScalarKind::Uint, .. } => at(expr),
+        Expression::Binary { op, left, right } => {
+            let (left, right) = (at(left)?, at(right)?);
+            match op {
+                BinaryOperator::Add => left.checked_add(right),
+                BinaryOperator::Subtract => left.checked_sub(right),
+                BinaryOperator::Multiply => left.checked_mul(right),
+                BinaryOperator::Divide => left.checked_div(right),
+                BinaryOperator::Modulo => left.checked_rem(right),
+                BinaryOperator::ShiftLeft => left.checked_shl(right.try_into().ok()?),
+                BinaryOperator::ShiftRight => left.checked_shr(right.try_into().ok()?),
+                _ => None,
+            }
+        }
+        _ => None,
     }
 }
 

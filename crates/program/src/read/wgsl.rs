@@ -32,7 +32,8 @@ pub(super) fn read(file: &SourceFile) -> Result<Module, ProgramError> {
     if all.is_empty() {
         return Err(wrong(file, Span::at(0), "the text has no declaration".to_owned(), "write a function"));
     }
-    let module = contain(|| Frontend::new().parse(text)).map_err(|panic| {
+    let known = without_subgroups(text, &all);
+    let module = contain(|| Frontend::new().parse(known.as_deref().unwrap_or(text))).map_err(|panic| {
         let message = format!("naga's reader fails on this text: {panic}");
         wrong(file, Span::at(0), message, "the fault is the reader's; a smaller text may tell where")
     })?;
@@ -40,6 +41,28 @@ pub(super) fn read(file: &SourceFile) -> Result<Module, ProgramError> {
     zeroed(&mut module);
     validate_text(file, &module)?;
     Ok(module)
+}
+
+/// The text without the words that enable subgroups: naga has their functions, and refuses the words. Every other byte stays
+/// in its place. None where there are no such words.
+fn without_subgroups(text: &str, tokens: &[Token]) -> Option<String> {
+    let word = |k: usize| tokens.get(k).map_or("", |token| &text[token.span.range()]);
+    let mut out = text.to_owned();
+    let mut blank = |span: Span| out.replace_range(span.range(), &" ".repeat(span.range().len()));
+    let mut any = false;
+    for start in (0..tokens.len()).filter(|&k| word(k) == "enable" && (k == 0 || word(k - 1) == ";")) {
+        let Some(end) = (start..tokens.len()).find(|&k| word(k) == ";") else { break };
+        let names: Vec<usize> = (start + 1..end).filter(|&k| word(k) != ",").collect();
+        let Some(&at) = names.iter().find(|&&k| word(k) == "subgroups") else { continue };
+        any = true;
+        match names.len() {
+            1 => blank(Span::new(tokens[start].span.start, tokens[end].span.end)),
+            // With the comma behind it, or the one before where it is the last.
+            _ if word(at + 1) == "," => blank(Span::new(tokens[at].span.start, tokens[at + 1].span.end)),
+            _ => blank(Span::new(tokens[at - 1].span.start, tokens[at].span.end)),
+        }
+    }
+    any.then_some(out)
 }
 
 fn wrong(file: &SourceFile, span: Span, message: String, help: &str) -> ProgramError {

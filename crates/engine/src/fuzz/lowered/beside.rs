@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::adversary::{Device, Place, binary_op, unary_op};
 use base::value::Scalar;
 use judge::profile::Op;
+use judge::tape::lowered;
 use program::Grade;
 use program::interp::{
     Binary, Binary32, Class, Column as Numbers, Comparison, Domain, FromWords, Guarded, Mask, SLOTS, Site, ToWords,
@@ -111,15 +112,6 @@ fn is_off(wide: f32, lowered: f32) -> bool {
     !((wide - lowered).abs() <= LOST * wide.abs().max(1.0 / 16.0))
 }
 
-/// True for an operation whose result is one of its operands, its negative or a whole number: what its operands have,
-/// it has.
-fn keeps(op: Op) -> bool {
-    matches!(
-        op,
-        Op::Neg | Op::Abs | Op::Sign | Op::Floor | Op::Ceil | Op::RoundEven | Op::Trunc | Op::Min | Op::Max | Op::Step
-    )
-}
-
 impl Beside {
     /// Numbers of lower precision as a device has them.
     pub fn new(narrowing: Narrowing) -> Self {
@@ -136,11 +128,13 @@ impl Beside {
     /// A number as an operation gives it, or takes it where `op` is none.
     fn narrowed(&self, site: Site, op: Option<Op>, argument: f32, x: f32, slot: usize) -> f32 {
         match &self.narrowing {
+            // A number of that type has no more than binary16.
+            Narrowing::Least if site.grade() == Grade::Half => halved(x),
             Narrowing::Least => least(x),
             Narrowing::Binary16 => halved(x),
             Narrowing::Device(device) => {
                 let place = Place { site: site.index(), invocation: self.invocations[slot] };
-                let op = op.filter(|op| !keeps(*op));
+                let op = op.filter(|op| !lowered::keeps(*op));
                 device.lowered(site.grade(), op, f64::from(argument), x, place)
             }
         }

@@ -12,7 +12,7 @@ use program::{
 use syntax::interface::{InputPrimitive, OutputPrimitive};
 
 wire! { enum Scalar { F32, I32, U32, Bool } }
-wire! { struct Shape { scalar, columns, rows, array } }
+wire! { struct Shape { scalar, columns, rows, array, half } }
 wire! { struct Field { name, shape } }
 wire! { struct OutputLayout { vertex, max_vertices } }
 wire! { struct Attribute { field, location, components } }

@@ -3,7 +3,7 @@
 use naga::{Expression, Handle, ScalarKind};
 
 use super::super::code::{Inst, Register, Word2};
-use super::super::domain::{Comparison, FromWords, Site, ToWords};
+use super::super::domain::{Comparison, FromWords, Site, ToWords, Unary};
 use super::{Compiler, Frame, InterpError, types, unsupported};
 use base::value::Scalar;
 
@@ -22,7 +22,15 @@ impl<'m> Compiler<'m> {
         let target = types::scalar(naga::Scalar { kind, width }).map_err(|what| unsupported(what, span))?;
         Ok(registers
             .iter()
-            .map(|&a| if convert.is_some() { self.convert(site, a, target) } else { self.reinterpret(site, a, target) })
+            .map(|&a| match convert {
+                // To binary16 a conversion rounds, from whatever type.
+                Some(2) => {
+                    let converted = self.convert(site, a, target);
+                    self.real1(site, Unary::Narrow, converted)
+                }
+                Some(_) => self.convert(site, a, target),
+                None => self.reinterpret(site, a, target),
+            })
             .collect())
     }
 

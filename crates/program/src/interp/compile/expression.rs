@@ -167,7 +167,7 @@ impl<'m> Compiler<'m> {
             | Expression::RayQueryProceedResult
             | Expression::RayQueryGetIntersection { .. } => return refuse("ray queries"),
             Expression::SubgroupBallotResult | Expression::SubgroupOperationResult { .. } => {
-                return refuse("subgroup operations");
+                return Err(InterpError::internal("the result of a later statement".to_owned()));
             }
             Expression::CooperativeLoad { .. } | Expression::CooperativeMultiplyAdd { .. } => {
                 return refuse("cooperative matrices");
@@ -184,7 +184,7 @@ impl<'m> Compiler<'m> {
             Literal::I32(value) => self.word(value.cast_unsigned(), Scalar::I32),
             Literal::Bool(value) => self.word(u32::from(value), Scalar::Bool),
             Literal::F64(_) => return wide("64-bit floats"),
-            Literal::F16(_) => return wide("16-bit floats"),
+            Literal::F16(value) => self.real(value.to_f32(), site),
             Literal::U16(_) | Literal::I16(_) => return wide("16-bit integers"),
             Literal::U64(_) | Literal::I64(_) => return wide("64-bit integers"),
             Literal::AbstractInt(_) | Literal::AbstractFloat(_) => return wide("numbers of abstract type"),

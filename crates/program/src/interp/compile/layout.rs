@@ -1,4 +1,4 @@
-//! Where the scalars of a type lie in memory, in words of 32 bits.
+//! Where the scalars of a type lie in memory, in words: of 32 bits, or of 16 where a buffer has numbers of that size.
 
 use std::sync::Arc;
 
@@ -14,26 +14,42 @@ const MAX_WORDS: u32 = 1 << 20;
 /// How a memory is laid out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Layout {
-    /// As a host fills it: by the offsets and strides of the module.
-    Host,
+    /// As a host fills it: by the offsets and strides of the module, in words of so many bytes.
+    Host {
+        /// 4, or 2.
+        unit: u32,
+    },
     /// One scalar after the other: no host sees it.
     Packed,
 }
 
 impl Layout {
-    pub(super) fn of(space: AddressSpace) -> Self {
-        if space == AddressSpace::WorkGroup { Self::Packed } else { Self::Host }
+    pub(super) fn of(module: &Module, variable: &GlobalVariable) -> Self {
+        if variable.space == AddressSpace::WorkGroup {
+            return Self::Packed;
+        }
+        Self::Host { unit: unit(module, variable.ty) }
+    }
+
+    /// Words of a scalar.
+    fn scalar(self, scalar: naga::Scalar) -> u32 {
+        match self {
+            Self::Host { unit } => (u32::from(scalar.width) / unit).max(1),
+            Self::Packed => 1,
+        }
     }
 
     /// Words from one element to the next, and the number of elements: `None` for an array that is as long as its
     /// memory. `None` for a type that has no elements of one kind.
     pub(super) fn elements(self, module: &Module, inner: &TypeInner) -> Option<(u32, Option<u32>)> {
         Some(match *inner {
-            TypeInner::Vector { size, .. } | TypeInner::ValuePointer { size: Some(size), .. } => (1, Some(size as u32)),
-            TypeInner::Matrix { columns, rows, .. } => (self.column(rows), Some(columns as u32)),
+            TypeInner::Vector { size, scalar } | TypeInner::ValuePointer { size: Some(size), scalar, .. } => {
+                (self.scalar(scalar), Some(size as u32))
+            }
+            TypeInner::Matrix { columns, rows, scalar } => (self.column(rows, scalar), Some(columns as u32)),
             TypeInner::Array { base, size, stride } => {
                 let stride = match self {
-                    Self::Host => stride / 4,
+                    Self::Host { unit } => stride / unit,
                     Self::Packed => self.words(module, &module.types[base].inner).ok()?,
                 };
                 let len = match size {
@@ -52,7 +68,7 @@ impl Layout {
         if let TypeInner::Struct { ref members, .. } = *inner {
             let member = members.get(index as usize)?;
             return match self {
-                Self::Host => Some(member.offset / 4),
+                Self::Host { unit } => Some(member.offset / unit),
                 Self::Packed => {
                     let words = |member: &naga::StructMember| self.words(module, &module.types[member.ty].inner).ok();
                     members[..index as usize].iter().map(words).sum()
@@ -63,18 +79,19 @@ impl Layout {
         len.is_none_or(|len| index < len).then(|| stride.saturating_mul(index))
     }
 
-    fn column(self, rows: naga::VectorSize) -> u32 {
-        match (self, rows) {
-            (Self::Host, naga::VectorSize::Tri | naga::VectorSize::Quad) => 4,
-            (Self::Host | Self::Packed, rows) => rows as u32,
-        }
+    fn column(self, rows: naga::VectorSize, scalar: naga::Scalar) -> u32 {
+        let rows = match (self, rows) {
+            (Self::Host { .. }, naga::VectorSize::Tri | naga::VectorSize::Quad) => 4,
+            (Self::Host { .. } | Self::Packed, rows) => rows as u32,
+        };
+        rows * self.scalar(scalar)
     }
 
     /// Words that a value takes; those of a type without a fixed size up to its last member.
     fn words(self, module: &Module, inner: &TypeInner) -> Result<u32, String> {
         let mut leaves = Vec::new();
         self.leaves(module, inner, ("", &[]), 0, &mut leaves)?;
-        Ok(leaves.iter().map(|leaf| leaf.offset + 1).max().unwrap_or(0))
+        Ok(leaves.iter().map(|leaf| leaf.offset + leaf_words(self, leaf)).max().unwrap_or(0))
     }
 
     /// The scalars of a type with their distances from its beginning. An array without a fixed size has none.
@@ -103,6 +120,7 @@ impl Layout {
                 name: whole.clone(),
                 offset,
                 scalar: types::scalar(scalar)?,
+                half: scalar == naga::Scalar::F16,
                 component,
                 lens: all_lens.clone(),
             });
@@ -111,13 +129,14 @@ impl Layout {
         match *inner {
             TypeInner::Scalar(scalar) | TypeInner::Atomic(scalar) => push(at, scalar, None)?,
             TypeInner::Vector { size, scalar } => {
-                (0..size as u32).try_for_each(|k| push(at + k, scalar, Some(k)))?;
+                let step = self.scalar(scalar);
+                (0..size as u32).try_for_each(|k| push(at + k * step, scalar, Some(k)))?;
             }
             TypeInner::Matrix { columns, rows, scalar } => {
-                let stride = self.column(rows);
+                let (stride, step) = (self.column(rows, scalar), self.scalar(scalar));
                 for column in 0..columns as u32 {
                     for row in 0..rows as u32 {
-                        push(at + column * stride + row, scalar, Some(column * rows as u32 + row))?;
+                        push(at + column * stride + row * step, scalar, Some(column * rows as u32 + row))?;
                     }
                 }
             }
@@ -147,10 +166,28 @@ impl Layout {
     }
 }
 
+/// Words that a scalar takes.
+fn leaf_words(layout: Layout, leaf: &Leaf) -> u32 {
+    match layout {
+        Layout::Host { unit: 2 } if !leaf.half => 2,
+        Layout::Host { .. } | Layout::Packed => 1,
+    }
+}
+
+/// Bytes of a word of a buffer of this type: of its shortest scalar.
+fn unit(module: &Module, ty: Handle<Type>) -> u32 {
+    let halves = match module.types[ty].inner {
+        TypeInner::Array { base, .. } => unit(module, base) == 2,
+        TypeInner::Struct { ref members, .. } => members.iter().any(|member| unit(module, member.ty) == 2),
+        ref inner => inner.scalar() == Some(naga::Scalar::F16),
+    };
+    if halves { 2 } else { 4 }
+}
+
 /// The memory behind a variable.
 pub(super) fn shape(module: &Module, handle: Handle<GlobalVariable>) -> Result<MemoryShape, String> {
     let variable = &module.global_variables[handle];
-    let layout = Layout::of(variable.space);
+    let layout = Layout::of(module, variable);
     let inner = &module.types[variable.ty].inner;
     let mut fixed = Vec::new();
     layout.leaves(module, inner, ("", &[]), 0, &mut fixed)?;
@@ -179,6 +216,15 @@ pub(super) fn shape(module: &Module, handle: Handle<GlobalVariable>) -> Result<M
         AddressSpace::Storage { access } => Space::Storage { writes: access.contains(StorageAccess::STORE) },
         _ => Space::Uniform,
     };
-    let words = fixed.iter().map(|leaf| leaf.offset + 1).max().unwrap_or(0).max(array.as_ref().map_or(0, |a| a.offset));
-    Ok(MemoryShape { name: variable.name.clone().unwrap_or_default(), space, words, fixed, array })
+    let words = fixed
+        .iter()
+        .map(|leaf| leaf.offset + leaf_words(layout, leaf))
+        .max()
+        .unwrap_or(0)
+        .max(array.as_ref().map_or(0, |a| a.offset));
+    let unit = match layout {
+        Layout::Host { unit } => unit,
+        Layout::Packed => 4,
+    };
+    Ok(MemoryShape { name: variable.name.clone().unwrap_or_default(), space, unit, words, fixed, array })
 }

@@ -12,6 +12,7 @@ mod overlap;
 mod shared;
 mod site;
 mod statement;
+mod subgroup;
 mod texture;
 mod together;
 mod types;
@@ -246,8 +247,9 @@ impl<'m> Compiler<'m> {
             word = 0;
             for binding in bindings {
                 let registers = self.place_input(binding, &mut arguments)?;
+                let half = types::is_half(self.module, binding.ty);
                 for &to in &registers {
-                    self.executable.fills.push(Fill { to, source: source(word) });
+                    self.executable.fills.push(Fill { to, source: source(word), half });
                     word += 1;
                 }
                 filled.extend(registers);

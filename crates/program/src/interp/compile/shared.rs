@@ -15,7 +15,7 @@ impl<'m> Compiler<'m> {
     /// A pointer to a whole variable.
     pub(super) fn shared(&self, global: Handle<GlobalVariable>) -> Value {
         let index = self.subject.shared.iter().position(|&own| own == global).unwrap_or_default() as u32;
-        let layout = Layout::of(self.module.global_variables[global].space);
+        let layout = Layout::of(self.module, &self.module.global_variables[global]);
         let memory = Some(Memory { index, layout, steps: Vec::new() });
         Value::Pointer(Pointer { variable: Rc::from([]), constant: false, offset: 0, indices: Vec::new(), memory })
     }
@@ -70,7 +70,7 @@ impl<'m> Compiler<'m> {
 
     /// Where the scalars of a type lie behind a pointer.
     fn places(&self, pointer: &Pointer, inner: &TypeInner) -> Result<Vec<(Scalar, u32)>, String> {
-        let layout = pointer.memory.as_ref().map_or(Layout::Host, |memory| memory.layout);
+        let layout = pointer.memory.as_ref().map_or(Layout::Packed, |memory| memory.layout);
         layout.scalars(self.module, inner)
     }
 

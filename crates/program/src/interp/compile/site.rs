@@ -30,7 +30,11 @@ impl<'m> Compiler<'m> {
         if !span.is_defined() {
             span = frame.span;
         }
-        let manner = self.manner(span);
+        let mut manner = self.manner(span);
+        let numbers = frame.info[expression].ty.inner_with(&self.module.types).scalar();
+        if numbers == Some(naga::Scalar::F16) {
+            manner.grade = Grade::Half;
+        }
         let sites = &mut self.executable.sites;
         *self.sites.entry((frame.handle, expression)).or_insert_with(|| {
             sites.push(Place { function: frame.handle, expression: Some(expression), span });

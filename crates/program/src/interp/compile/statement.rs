@@ -230,7 +230,7 @@ impl<'m> Compiler<'m> {
             Statement::RayPipelineFunction(_) => return refuse("ray tracing"),
             Statement::SubgroupBallot { .. }
             | Statement::SubgroupGather { .. }
-            | Statement::SubgroupCollectiveOperation { .. } => return refuse("subgroup operations"),
+            | Statement::SubgroupCollectiveOperation { .. } => self.subgroup(frame, statement, span)?,
             Statement::CooperativeStore { .. } => return refuse("cooperative matrices"),
         }
         Ok(())

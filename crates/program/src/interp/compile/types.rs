@@ -10,13 +10,22 @@ pub(super) const MAX_SCALARS: usize = 1 << 14;
 /// The scalar type, or its name when it is not handled.
 pub(super) fn scalar(scalar: naga::Scalar) -> Result<Scalar, String> {
     match (scalar.kind, scalar.width) {
-        (ScalarKind::Float, 4) => Ok(Scalar::F32),
+        // Numbers of binary16 are those of binary32 that it has: see `Grade::Half`.
+        (ScalarKind::Float, 2 | 4) => Ok(Scalar::F32),
         (ScalarKind::Sint, 4) => Ok(Scalar::I32),
         (ScalarKind::Uint, 4) => Ok(Scalar::U32),
         (ScalarKind::Bool, _) => Ok(Scalar::Bool),
         (ScalarKind::Float, width) => Err(format!("{}-bit floats", 8 * u32::from(width))),
         (ScalarKind::Sint | ScalarKind::Uint, width) => Err(format!("{}-bit integers", 8 * u32::from(width))),
         (ScalarKind::AbstractInt | ScalarKind::AbstractFloat, _) => Err("numbers of abstract type".to_owned()),
+    }
+}
+
+/// True for numbers of binary16, and for arrays of them.
+pub(super) fn is_half(module: &Module, ty: Handle<Type>) -> bool {
+    match module.types[ty].inner {
+        TypeInner::Array { base, .. } => is_half(module, base),
+        ref inner => inner.scalar() == Some(naga::Scalar::F16),
     }
 }
 

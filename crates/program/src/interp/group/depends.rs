@@ -135,6 +135,11 @@ impl Executable {
         self.reads_numbers(&[BuiltIn::GlobalInvocationId, BuiltIn::WorkGroupId, BuiltIn::NumWorkGroups], axis)
     }
 
+    /// Whether the program asks for its place in the dispatch, and not for that in its workgroup alone.
+    pub fn reads_place(&self) -> bool {
+        (0..3).any(|axis| self.reads_numbers(&[BuiltIn::GlobalInvocationId], axis))
+    }
+
     fn reads_numbers(&self, built_ins: &[BuiltIn], axis: usize) -> bool {
         let of = self.numbers.iter().filter(|(own, _)| built_ins.contains(own));
         let registers: HashSet<Reg> = of.filter_map(|(_, all)| all.get(axis)).map(|register| register.reg).collect();
@@ -241,6 +246,7 @@ impl Pass {
             }
             Inst::Length { .. } => given = here,
             Inst::Barrier { site } => self.note(*site, Sources::default(), here),
+            Inst::Subgroup(inst) => self.note(inst.site, Sources::default(), here),
             Inst::Loop { site, .. } => self.note(*site, Sources::default(), here),
             _ => {}
         }

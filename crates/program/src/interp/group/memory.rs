@@ -18,6 +18,8 @@ pub enum Wrong {
     SameValue,
     /// A barrier that some invocations of the workgroup do not reach.
     Divergence,
+    /// An operation of a subgroup that some of its invocations do not reach.
+    Apart,
     /// A word of a workgroup's memory that nobody has written.
     Unwritten,
 }

@@ -15,6 +15,7 @@ mod contents;
 mod depends;
 mod memory;
 mod shape;
+mod subgroup;
 #[cfg(test)]
 mod tests;
 mod whole;
@@ -33,10 +34,12 @@ pub use cells::{InMemory, RealCombine};
 pub use depends::{Depends, Sources, Uses};
 pub use memory::{Access, Incident, Party, Wrong};
 pub use shape::{Array, Leaf, MemoryShape, Space};
+pub use subgroup::WIDTH;
 pub use whole::{Ran, Whole};
 
 pub(super) use access::{Combine, MemoryAccess, MemoryOp, Step};
 use memory::{Contents, Log};
+pub(super) use subgroup::{Fold, From, Subgroup, SubgroupOp};
 
 /// A dispatch.
 #[derive(Clone, Debug)]
@@ -59,6 +62,8 @@ pub struct Dispatch<'b> {
     pub watched: bool,
     /// Another order of the workgroups, and of the invocations of each at its memory, for each number; 0 for theirs.
     pub order: u64,
+    /// Invocations of a subgroup: a power of two, at most 128.
+    pub subgroup: u32,
 }
 
 /// The place of the k-th of some things in an order; each number but 0 names one in which others come first.
@@ -132,7 +137,9 @@ impl Executable {
                 Contents::new(shape, vec![0; shape.words as usize], 0, dispatch.zeroed, dispatch.watched)
             }
             Space::Storage { .. } | Space::Uniform => {
-                Contents::new(shape, buffer.words.clone(), buffer.elements, true, dispatch.watched)
+                let mut words = buffer.words.clone();
+                shape.narrow(&mut words);
+                Contents::new(shape, words, buffer.elements, true, dispatch.watched)
             }
         };
         let contents = self.memories.iter().zip(dispatch.buffers).map(fill).collect();
@@ -259,6 +266,7 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
     fn fill_numbers(&mut self) {
         let (size, groups) = (self.dispatch.size, self.dispatch.groups);
         let group = apart(self.number, groups);
+        let width = self.dispatch.subgroup;
         for (k, machine) in self.machines.iter_mut().enumerate() {
             machine.invocations = std::array::from_fn(|slot| slot);
             for (built_in, registers) in &self.executable.numbers {
@@ -275,6 +283,10 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
                             BuiltIn::WorkGroupId => group[axis],
                             BuiltIn::WorkGroupSize => size[axis],
                             BuiltIn::NumWorkGroups => groups[axis],
+                            BuiltIn::SubgroupSize => width,
+                            BuiltIn::SubgroupInvocationId => index % width,
+                            BuiltIn::SubgroupId => index / width,
+                            BuiltIn::NumSubgroups => size.iter().product::<u32>().div_ceil(width),
                             _ => 0,
                         }
                     };
@@ -313,6 +325,7 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
                 self.machines.iter_mut().for_each(|machine| machine.words[*to as usize] = [elements; SLOTS]);
             }
             Inst::Barrier { site } => self.barrier(*site),
+            Inst::Subgroup(inst) => self.subgroup(inst),
             Inst::If { condition, accept, reject } => {
                 let before = self.masks();
                 let condition: Vec<Mask> =

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::super::halved;
 use base::value::Scalar;
 
 /// Who sees a memory, and what may be done with it.
@@ -18,7 +19,7 @@ pub enum Space {
     Uniform,
 }
 
-/// A scalar in memory.
+/// A scalar in memory. A word is as long as the shortest scalar of its memory: see [`MemoryShape::unit`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Leaf {
     /// Names of the members on the way to it; `[]` stands for an index.
@@ -27,6 +28,8 @@ pub struct Leaf {
     pub offset: u32,
     /// Its type.
     pub scalar: Scalar,
+    /// True for a number of binary16.
+    pub half: bool,
     /// For a component of a vector or matrix, which one.
     pub component: Option<u32>,
     /// Lengths of the arrays of fixed size on the way to it, outermost first.
@@ -66,6 +69,8 @@ pub struct MemoryShape {
     pub name: String,
     /// Who sees it.
     pub space: Space,
+    /// Bytes of a word: 4, or 2 where numbers of binary16 are in it. A number that is longer is told by its first word.
+    pub unit: u32,
     /// Words without the elements of `array`.
     pub words: u32,
     /// The scalars in front of `array`.
@@ -82,6 +87,22 @@ impl MemoryShape {
         (self.words as usize).max(array)
     }
 
+    /// Brings what a host gives to the nearest numbers of binary16, where memory holds such.
+    pub(super) fn narrow(&self, words: &mut [u32]) {
+        let end = words.len() as u32;
+        let mut each = |leaf: &Leaf, at: u32| {
+            if let Some(word) = words.get_mut((at + leaf.offset) as usize).filter(|_| leaf.half) {
+                *word = halved(f32::from_bits(*word)).to_bits();
+            }
+        };
+        self.fixed.iter().for_each(|leaf| each(leaf, 0));
+        if let Some(array) = self.array.as_ref().filter(|array| array.leaves.iter().any(|leaf| leaf.half)) {
+            (array.offset..end).step_by(array.stride as usize).for_each(|at| {
+                array.leaves.iter().for_each(|leaf| each(leaf, at));
+            });
+        }
+    }
+
     /// What stands at a word: the index in the array, where it lies in it, and the scalar.
     pub fn at(&self, word: u32) -> Option<(Option<u32>, &Leaf)> {
         if let Some(array) = self.array.as_ref().filter(|array| word >= array.offset) {
@@ -94,7 +115,7 @@ impl MemoryShape {
 
     /// The author's words for the place of a word: `particles[3].position`.
     pub fn place(&self, word: u32) -> String {
-        let Some((index, leaf)) = self.at(word) else { return format!("{} at byte {}", self.name, 4 * word) };
+        let Some((index, leaf)) = self.at(word) else { return format!("{} at byte {}", self.name, self.unit * word) };
         let array = self.array.as_ref().filter(|_| index.is_some());
         let mut text = self.name.clone();
         let dot = |text: &mut String, part: &str| {

@@ -53,6 +53,7 @@ fn run(text: &str, words: u32, zeroed: bool) -> Outcome {
         work: 100_000,
         watched: true,
         order: 0,
+        subgroup: super::WIDTH,
     })
 }
 

@@ -80,10 +80,11 @@ impl Whole {
 impl BoundBuffer {
     /// What it holds before the dispatch that an invocation of a batch is.
     pub fn filled(&self, shape: &super::MemoryShape, batch: &Batch, invocation: usize) -> Buffer {
-        let mut words = vec![0; self.bytes as usize / 4];
+        let unit = shape.unit as usize;
+        let mut words = vec![0; self.bytes as usize / unit];
         let record = if self.uniform { batch.case_of(invocation) } else { batch.invocation(invocation) };
         for &UniformPlace { word, byte } in &self.before {
-            words[byte as usize / 4] = record[word as usize];
+            words[byte as usize / unit] = record[word as usize];
         }
         let elements = shape.array.as_ref().map_or(0, |array| (words.len() as u32 - array.offset) / array.stride);
         Buffer { words, elements }
@@ -124,6 +125,7 @@ impl Executable {
             work: WORK,
             watched: false,
             order,
+            subgroup: super::WIDTH,
         };
         let (Outcome { contents, findings, doubted, rounds, whole: ended, .. }, left) =
             self.dispatch_in(&dispatch, domain);
@@ -137,9 +139,9 @@ impl Executable {
             rounds,
             whole: ended && !endless,
         };
-        for (k, about) in whole.bound.iter().enumerate() {
+        for (k, (about, shape)) in whole.bound.iter().zip(&self.memories).enumerate() {
             for place in about.iter().flat_map(|about| &about.after) {
-                let (to, from) = (place.word as usize, place.byte as usize / 4);
+                let (to, from) = (place.word as usize, (place.byte / shape.unit) as usize);
                 ran.words[to] = contents[k][from];
                 ran.cells[to] = left[k].cell(from).unwrap_or_else(|| D::cell(contents[k][from]));
                 ran.open[to] = left[k].is_open(from);

@@ -31,6 +31,11 @@ pub fn from_bits(bits: u16) -> f64 {
     sign * size
 }
 
+/// The number of binary16 nearest to a number of binary32, as one of binary32. NaN stays as it is, payload and all.
+pub fn nearest(x: f32) -> f32 {
+    if x.is_nan() { x } else { from_bits(to_bits(f64::from(x))) as f32 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

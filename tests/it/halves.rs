@@ -1,0 +1,98 @@
+//! Numbers of binary16 in kernels and functions of WGSL: their meaning, their bounds, and a device that errs as far as it may.
+
+use std::fs;
+use std::path::Path;
+
+use engine::adversary::{Adversary, Strategy};
+use engine::suite::load;
+use engine::suite::run::prepare;
+use judge::profile::{self, Promises};
+use lanes::Stage;
+
+use crate::binary::run_in;
+use crate::large_dispatches::judged;
+
+/// Products of rows with a vector: halves in memory, the sum in `T`, and what is multiplied with each product.
+fn kernel(ty: &str, factor: &str) -> String {
+    format!(
+        "enable f16;
+@group(0) @binding(0) var<storage, read> rows: array<f16>;
+@group(0) @binding(1) var<storage, read> weights: array<f16>;
+@group(0) @binding(2) var<storage, read_write> products: array<f16>;
+@compute @workgroup_size(32)
+fn main(@builtin(global_invocation_id) id: vec3u) {{
+    let n = arrayLength(&weights);
+    if (id.x >= arrayLength(&products)) {{ return; }}
+    var sum = {ty}(0.0);
+    for (var k = 0u; k < n; k++) {{
+        sum += {ty}(rows[id.x * n + k]) * {ty}(weights[k]) * {ty}({factor});
+    }}
+    products[id.x] = f16(sum);
+}}
+"
+    )
+}
+
+const SUITE: &str = "suite = \"halves\"\nshader = \"halves.wgsl\"\nstage = \"compute\"\nsamples = 8\n\
+    reference = { file = \"reference.wgsl\", groups = \"(ROWS + 31) / 32\" }\n[dispatch]\ngroups = \"(ROWS + 31) / 32\"\n\
+    lengths = { rows = \"ROWS * N\", weights = \"N\", products = \"ROWS\" }\nsizes = { ROWS = [3, 200], N = [5, 24] }\n\
+    [[inputs]]\nnames = [\"rows\"]\ngenerator = \"array\"\nrange = [0.5, 2.0]\n\
+    [[inputs]]\nnames = [\"weights\"]\ngenerator = \"array\"\nrange = [0.5, 1.0]\n";
+
+fn written(folder: &Path, shader: &str) {
+    fs::write(folder.join("halves.suite.toml"), SUITE).unwrap();
+    fs::write(folder.join("reference.wgsl"), kernel("f32", "1.0")).unwrap();
+    fs::write(folder.join("halves.wgsl"), shader).unwrap();
+}
+
+#[test]
+fn products_of_halves_are_judged_against_real_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    for (ty, factor, status) in [("f16", "1.0", 0), ("f32", "1.0", 0), ("f32", "1.01", 1), ("f16", "1.25", 1)] {
+        written(folder.path(), &kernel(ty, factor));
+        let ran = run_in(folder.path(), "check halves.suite.toml --lane embedded").expect(status);
+        assert!(ran.out.contains("embedded"), "{}", ran.out);
+        let reported = ran.out.contains("the shader deviates from its reference: `products[");
+        assert_eq!(reported, status == 1, "{ty} {factor}\n{}", ran.out);
+        assert!(status == 1 || ran.out.contains(" 0 undetermined"), "{ty} {factor}\n{}", ran.out);
+    }
+}
+
+/// Bounds hold for a device that rounds to either neighbour and takes small numbers for 0.
+#[test]
+fn a_device_that_errs_as_far_as_it_may_is_not_accused() {
+    let folder = tempfile::tempdir().unwrap();
+    let functions = "enable f16;
+        fn gelu(x: f16) -> f16 { return 0.5h * x * (1.0h + tanh(0.797h * (x + 0.0447h * x * x * x))); }
+        fn soft(a: f16, b: f16) -> f16 { return exp(a - max(a, b)) / (exp(a - max(a, b)) + exp(b - max(a, b))); }
+        fn unit(v: vec3<f16>) -> vec3<f16> { return v * inverseSqrt(dot(v, v) + 0.01h); }
+        fn root(x: f16) -> f16 { return sqrt(abs(x)) + pow(abs(x) + 0.5h, 1.5h) + log2(abs(x) + 1.0h); }\n";
+    let wgsl = profile::by_name("wgsl").unwrap();
+    let promises = Promises { text: wgsl, conformance: None, measured: None };
+    fs::write(folder.path().join("f.wgsl"), functions).unwrap();
+    for (function, inputs) in [("gelu", "x"), ("soft", "a, b"), ("unit", "v"), ("root", "x")] {
+        let names: Vec<String> = inputs.split(", ").map(|name| format!("{name:?}")).collect();
+        let suite = format!(
+            "suite = \"f\"\nshader = \"f.wgsl\"\nfunction = \"{function}\"\nsamples = 4096\n\
+             reference = {{ file = \"f.wgsl\", function = \"{function}\" }}\n[[inputs]]\nnames = [{}]\ngenerator = \"range\"\nrange = [-4.0, 4.0]\n",
+            names.join(", ")
+        );
+        fs::write(folder.path().join("f.suite.toml"), suite).unwrap();
+        let loaded = load(&folder.path().join("f.suite.toml")).unwrap();
+        let prepared = prepare(&loaded.suite.variants()[0], &loaded.shader).unwrap();
+        for seed in 1..5 {
+            let lane = Adversary::lane(wgsl, Stage::Compute, Strategy::Extreme, seed, false);
+            let report = judged(&prepared, &lane, promises, 4096);
+            assert_eq!(report.verdicts.deviated, 0, "{function}: {:?}", report.findings);
+            assert!(report.verdicts.agreed > 2000, "{function}: {:?}", report.verdicts);
+        }
+    }
+}
+
+#[test]
+fn lanes_of_devices_say_that_they_do_not_run_halves() {
+    let folder = tempfile::tempdir().unwrap();
+    written(folder.path(), &kernel("f16", "1.0"));
+    let ran = run_in(folder.path(), "check halves.suite.toml --lane vulkan");
+    assert!(ran.out.contains("16-bit floats, which the embedded lane alone runs"), "{}", ran.out);
+}
