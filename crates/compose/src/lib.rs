@@ -171,7 +171,16 @@ impl Composed {
 /// value, directives that are not understood.
 pub fn compose(root: &SourceFile, options: &Options, library: &mut dyn Library) -> Result<Composed, Vec<Diagnostic>> {
     let mut problems = Problems::default();
-    let composed = link::link(root, options, library, &mut problems);
+    let mut composed = link::link(root, options, library, &mut problems);
+    if !options.stand_ins
+        && problems.found.is_empty()
+        && let Some((more, notes)) = template::declared(root, &composed)
+    {
+        let again = link::link(&more, options, library, &mut problems);
+        if again.undeclared.is_empty() {
+            composed = Composed { notes: [again.notes, notes].concat(), ..again };
+        }
+    }
     if problems.found.is_empty() { Ok(composed) } else { Err(problems.found) }
 }
 

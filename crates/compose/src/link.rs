@@ -198,6 +198,7 @@ impl Linker<'_> {
         }
         let mut module = Module::read(file, &self.options.defines, self.options, self.library, self.problems);
         self.notes.extend(module.draft.take());
+        self.notes.append(&mut module.assumed);
         Some(self.add(file, path, module))
     }
 

@@ -33,6 +33,8 @@ pub(crate) struct Module {
     pub locals: HashSet<String>,
     /// That the file is an early draft of the language, with the edits that repair it.
     pub draft: Option<Diagnostic>,
+    /// What is assumed of values that nobody states.
+    pub assumed: Vec<Diagnostic>,
 }
 
 /// An import with the file and place that it stands at.
@@ -52,7 +54,10 @@ impl Module {
         library: &mut dyn Library,
         problems: &mut Problems,
     ) -> Self {
-        let file = template::fill(author, defines, options.stand_ins, problems);
+        let template::Rendered { file, notes: assumed, left_out: branches } = match options.stand_ins {
+            true => template::Rendered::of(template::stand_in(author, defines)),
+            false => template::render(author, defines, library, problems),
+        };
         let (file, directives) = without_directives(&file, defines, options, library, problems);
         let condition::Conditional { file, mut left_out } = condition::decide(&file, defines, problems);
         let mut found = Vec::new();
@@ -80,6 +85,10 @@ impl Module {
                 names.entry(name.clone()).or_insert(at);
             }
         }
+        for (text, condition) in branches {
+            let declared = declared_names(&SourceFile::new("", text)).into_iter();
+            left_out.extend(declared.filter(|name| !names.contains_key(name)).map(|name| (name, condition.clone())));
+        }
         if file.text().len() < author.text().len() && author.text().contains("#if") {
             let names = declared_names(author).into_iter().filter(|name| !names.contains_key(name));
             left_out.extend(names.map(|name| (name, "a directive such as `#ifdef`".to_owned())));
@@ -95,6 +104,7 @@ impl Module {
             left_out,
             locals,
             draft: note,
+            assumed,
         }
     }
 
