@@ -82,7 +82,7 @@ fn a_device_that_errs_as_far_as_it_may_is_not_accused() {
         let prepared = prepare(&loaded.suite.variants()[0], &loaded.shader).unwrap();
         for seed in 1..5 {
             let lane = Adversary::lane(wgsl, Stage::Compute, Strategy::Extreme, seed, false);
-            let report = judged(&prepared, &lane, promises, 4096);
+            let report = judged(&prepared, &lane, promises.clone(), 4096);
             assert_eq!(report.verdicts.deviated, 0, "{function}: {:?}", report.findings);
             assert!(report.verdicts.agreed > 2000, "{function}: {:?}", report.verdicts);
         }

@@ -29,7 +29,7 @@ fn told(report: &Value) -> Vec<(String, String, u64)> {
 }
 
 /// The wrong twins: the fault that each has, whether it fails the run, and a line that is named.
-const WRONG: [(&str, &str, bool, u64); 17] = [
+const WRONG: [(&str, &str, bool, u64); 18] = [
     // A barrier that is missing behind a step of the sum.
     ("sum.wgsl", "race", true, 21),
     // Elements behind the last one are not filled.
@@ -64,6 +64,8 @@ const WRONG: [(&str, &str, bool, u64); 17] = [
     ("subgroup_sum.wgsl", "subgroup_width", true, 19),
     // Who has no element leaves before the others of the subgroup are asked.
     ("subgroup_tail.wgsl", "divergence", true, 13),
+    // An image is written while others still read it.
+    ("image_blur.wgsl", "race", true, 13),
 ];
 
 #[test]

@@ -168,6 +168,10 @@ impl Dispatched {
                 Some(Guard::Elements(n)) => return Length::Grows { with: Measure::One, times: (n, 1), plus: 0 },
                 None => {}
             }
+            // An image is as large as the dispatch.
+            if self.executable.memories()[k].image.is_some() {
+                return Length::Grows { with: Measure::All, times: (1, 1), plus: 0 };
+            }
             // Who asks for the length makes do with any.
             if self.uses.lengths.contains(&(k as u32)) {
                 return Length::Grows { with: Measure::All, times: (1, 1), plus: 0 };
@@ -259,7 +263,10 @@ impl Dispatched {
         let key = property::mix(0x5eed + variant, items.iter().fold(0, |key, &n| property::mix(key, u64::from(n))));
         for (k, shape) in self.executable.memories().iter().enumerate() {
             let mut stream = Stream::new(property::mix(key, k as u64));
+            let along = |axis: usize| if shape.image.is_some_and(|axes| axis < axes) { items[axis] } else { 1 };
+            let extent: [u32; 3] = std::array::from_fn(along);
             let elements = match (&shape.array, lengths) {
+                _ if shape.image.is_some() => extent.iter().product(),
                 (None, _) => 0,
                 (Some(_), Some(lengths)) => lengths[k].elements(items, groups),
                 (Some(_), None) if self.uses.lengths.contains(&(k as u32)) => items.iter().product(),
@@ -289,7 +296,7 @@ impl Dispatched {
                     }
                 }
             }
-            buffers.push(Buffer { words, elements });
+            buffers.push(Buffer { words, elements, extent });
         }
         let product = |all: [u32; 3]| -> u64 { all.iter().map(|&n| u64::from(n)).product() };
         let surplus = (product(groups) * product(self.size)).saturating_sub(product(items));

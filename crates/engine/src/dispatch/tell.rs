@@ -74,6 +74,8 @@ impl Dispatched {
         let shared = shape.is_some_and(|shape| shape.space == Space::Workgroup);
         match incident.what {
             Wrong::SameValue => Severity::Note,
+            // The author says that it is meant: `diagnostic(off, subgroup_uniformity)`.
+            Wrong::Apart if self.program.file.text().contains("subgroup_uniformity") => Severity::Note,
             Wrong::Outside => self.severity_outside(met, shape, certain, by_contents),
             _ if certain => Severity::Finding,
             // Where all invocations take one branch, nobody is missing.
@@ -222,7 +224,9 @@ impl Dispatched {
             all.push(value("invocations of a subgroup".to_owned(), vec![scenario.subgroup]));
         }
         for (shape, buffer) in self.executable.memories().iter().zip(&scenario.buffers) {
-            if shape.array.is_some() {
+            if let Some(axes) = shape.image {
+                all.push(value(format!("size of `{}`", shape.name), buffer.extent[..axes].to_vec()));
+            } else if shape.array.is_some() {
                 all.push(value(format!("elements of `{}`", shape.name), vec![buffer.elements]));
             }
         }

@@ -379,6 +379,12 @@ pub(super) enum Inst {
         memory: u32,
         to: Reg,
     },
+    /// The size of a storage image along an axis.
+    Extent {
+        memory: u32,
+        axis: u8,
+        to: Reg,
+    },
     /// Invocations that have to go the same way: what they decide by.
     Agree {
         first: Reg,
@@ -507,7 +513,7 @@ impl Inst {
                 f(Read, Word, first);
                 others.iter_mut().for_each(|reg| f(Read, Word, reg));
             }
-            Self::Length { to, .. } => f(Write, Word, to),
+            Self::Length { to, .. } | Self::Extent { to, .. } => f(Write, Word, to),
             Self::If { condition, .. } => f(Read, Word, condition),
             Self::Switch { selector, .. } => f(Read, Word, selector),
             // The condition at the end of a loop is read inside it.

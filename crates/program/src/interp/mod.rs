@@ -191,8 +191,13 @@ fn compile_memory(
     let shared: Vec<_> = module
         .global_variables
         .iter()
-        .filter(|(_, v)| {
-            matches!(v.space, Space::WorkGroup | Space::Storage { .. } | Space::Uniform | Space::Immediate)
+        .filter(|(_, v)| match v.space {
+            Space::WorkGroup | Space::Storage { .. } | Space::Uniform | Space::Immediate => true,
+            Space::Handle => matches!(
+                module.types[v.ty].inner,
+                naga::TypeInner::Image { class: naga::ImageClass::Storage { .. }, .. }
+            ),
+            _ => false,
         })
         .map(|(handle, _)| handle)
         .collect();

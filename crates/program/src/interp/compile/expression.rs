@@ -153,11 +153,17 @@ impl<'m> Compiler<'m> {
                 let texels = self.image_sample(frame, site.done(Manner::default()), handle, span)?;
                 self.narrowed(site, &texels)
             }
-            Expression::ImageLoad { .. } => {
-                let texels = self.image_load(frame, site.done(Manner::default()), handle, span)?;
-                self.narrowed(site, &texels)
-            }
-            Expression::ImageQuery { image, query } => self.image_query(frame, site, (image, query), span)?,
+            Expression::ImageLoad { image, coordinate, array_index, .. } => match self.storage_image(frame, image) {
+                Some(memory) => self.load_texel(frame, site, memory, (coordinate, array_index))?,
+                None => {
+                    let texels = self.image_load(frame, site.done(Manner::default()), handle, span)?;
+                    self.narrowed(site, &texels)
+                }
+            },
+            Expression::ImageQuery { image, query } => match self.storage_image(frame, image) {
+                Some((memory, _)) => self.image_extent(frame, image, memory, query),
+                None => self.image_query(frame, site, (image, query), span)?,
+            },
             Expression::Derivative { .. } => return refuse("derivatives between fragments"),
             Expression::AtomicResult { .. } | Expression::WorkGroupUniformLoadResult { .. } => {
                 return Err(InterpError::internal("the result of a later statement".to_owned()));

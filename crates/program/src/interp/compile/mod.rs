@@ -4,6 +4,7 @@ mod bits;
 mod cast;
 mod expression;
 mod geometric;
+mod image;
 mod layout;
 mod math;
 mod memory;

@@ -64,6 +64,7 @@ impl<'m> Compiler<'m> {
             steps: memory.steps.clone(),
             op,
             atomic: matches!(inner, TypeInner::Atomic(_)),
+            quiet: false,
             site,
         }))
     }

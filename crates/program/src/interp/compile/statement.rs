@@ -218,7 +218,12 @@ impl<'m> Compiler<'m> {
             // It orders what one invocation does, which is done in order here.
             Statement::MemoryBarrier(_) if !self.subject.shared.is_empty() || self.subject.dispatch.is_some() => {}
             Statement::MemoryBarrier(_) => return refuse("memory barriers"),
-            Statement::ImageStore { .. } => return refuse("writing images"),
+            Statement::ImageStore { image, coordinate, array_index, value } => {
+                match self.storage_image(frame, *image) {
+                    Some(memory) => self.store_texel(frame, memory, (*coordinate, *array_index), *value)?,
+                    None => return refuse("writing images"),
+                }
+            }
             Statement::Atomic { pointer, fun, value, result } => {
                 self.atomic(frame, *pointer, fun, *value, *result)?;
             }

@@ -57,6 +57,8 @@ pub(in crate::interp) struct MemoryAccess {
     pub op: MemoryOp,
     /// An atomic number is read or written.
     pub atomic: bool,
+    /// What is outside reads as 0 and is not written, and nobody is told.
+    pub quiet: bool,
     pub site: Site,
 }
 

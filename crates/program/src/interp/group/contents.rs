@@ -33,7 +33,8 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
     fn load(&mut self, access: &MemoryAccess, k: usize, parts: &[(Register, u32)]) {
         let active = self.machines[k].active;
         let memory = access.memory as usize;
-        let outside = D::cell(self.dispatch.outside);
+        let beyond = if access.quiet { 0 } else { self.dispatch.outside };
+        let outside = D::cell(beyond);
         let touch = if access.atomic { Access::Atomic } else { Access::Read };
         let mut cells = vec![[outside; SLOTS]; parts.iter().filter(|(to, _)| to.file() == File::Real).count()];
         let mut open = Mask::NONE;
@@ -59,7 +60,7 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
                         reals += 1;
                     }
                     File::Word => {
-                        let bits = word.map_or(self.dispatch.outside, |word| contents.bits(word));
+                        let bits = word.map_or(beyond, |word| contents.bits(word));
                         let bits = if to.scalar == Scalar::Bool { u32::from(bits != 0) } else { bits };
                         self.machines[k].words[to.reg as usize][slot] = bits;
                     }
@@ -107,6 +108,9 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
         for step in &access.steps {
             let index = self.machines[k].words[step.reg as usize][slot];
             let len = step.len.unwrap_or(contents.elements);
+            if index >= len && access.quiet {
+                return None;
+            }
             if index >= len {
                 let touch = match access.op {
                     MemoryOp::Load(_) => Access::Read,

@@ -244,7 +244,7 @@ impl Pass {
                     given = given.or(Sources::one(access.memory));
                 }
             }
-            Inst::Length { .. } => given = here,
+            Inst::Length { .. } | Inst::Extent { .. } => given = here,
             Inst::Barrier { site } => self.note(*site, Sources::default(), here),
             Inst::Subgroup(inst) => self.note(inst.site, Sources::default(), here),
             Inst::Loop { site, .. } => self.note(*site, Sources::default(), here),

@@ -89,6 +89,8 @@ pub struct Buffer {
     pub words: Vec<u32>,
     /// Elements of the array at its end.
     pub elements: u32,
+    /// For a storage image, texels along each axis.
+    pub extent: [u32; 3],
 }
 
 /// What a dispatch did.
@@ -323,6 +325,10 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
             Inst::Length { memory, to } => {
                 let elements = self.contents[*memory as usize].elements;
                 self.machines.iter_mut().for_each(|machine| machine.words[*to as usize] = [elements; SLOTS]);
+            }
+            Inst::Extent { memory, axis, to } => {
+                let extent = self.dispatch.buffers[*memory as usize].extent[usize::from(*axis)];
+                self.machines.iter_mut().for_each(|machine| machine.words[*to as usize] = [extent; SLOTS]);
             }
             Inst::Barrier { site } => self.barrier(*site),
             Inst::Subgroup(inst) => self.subgroup(inst),

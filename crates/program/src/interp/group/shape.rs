@@ -77,6 +77,8 @@ pub struct MemoryShape {
     pub fixed: Vec<Leaf>,
     /// What is at its end, where its size is left to the host.
     pub array: Option<Array>,
+    /// For a storage image, its axes, layers among them.
+    pub image: Option<usize>,
 }
 
 impl MemoryShape {

@@ -8,6 +8,11 @@ use naga::{AddressSpace, Binding};
 
 /// Runs the only entry point of a text with one buffer of so many words, in two workgroups.
 fn run(text: &str, words: u32, zeroed: bool) -> Outcome {
+    run_in(text, words, zeroed, super::WIDTH)
+}
+
+/// The same with so many invocations in a subgroup.
+fn run_in(text: &str, words: u32, zeroed: bool, subgroup: u32) -> Outcome {
     let (module, info) = wgsl(text);
     let shared: Vec<_> = module
         .global_variables
@@ -39,7 +44,7 @@ fn run(text: &str, words: u32, zeroed: bool) -> Outcome {
     let executable = Executable::compile(&subject).unwrap();
     let buffer = |shape: &super::MemoryShape| {
         let elements = if shape.array.is_some() { words } else { 0 };
-        Buffer { words: (0..shape.words_with(elements) as u32).collect(), elements }
+        Buffer { words: (0..shape.words_with(elements) as u32).collect(), elements, extent: [1; 3] }
     };
     let buffers: Vec<Buffer> = executable.memories().iter().map(buffer).collect();
     let size = point.workgroup_size;
@@ -53,7 +58,7 @@ fn run(text: &str, words: u32, zeroed: bool) -> Outcome {
         work: 100_000,
         watched: true,
         order: 0,
-        subgroup: super::WIDTH,
+        subgroup,
     })
 }
 
@@ -176,4 +181,51 @@ fn places_are_named_as_their_author_does() {
     assert_eq!(all.place(4 + 12 + 1), "all.parts[1].at.y");
     assert_eq!(all.place(4 + 3), "all.parts[0].links[0][0]");
     assert_eq!(shape(1).place(2 * (4 + 2) + 1), "tile[1][2].y");
+}
+
+/// What the first invocations of the first workgroup write, for a width of subgroups.
+fn of_subgroups(value: &str, subgroup: u32) -> Vec<u32> {
+    let text = format!(
+        "@group(0) @binding(0) var<storage, read_write> a: array<u32>;
+        @compute @workgroup_size(16) fn main(
+            @builtin(global_invocation_id) id: vec3u, @builtin(subgroup_invocation_id) lane: u32,
+            @builtin(subgroup_size) size: u32) {{
+            let x = id.x + 1u; let given = {value}; a[id.x] = given;
+        }}"
+    );
+    run_in(&text, 32, true, subgroup).contents[0][..10].to_vec()
+}
+
+#[test]
+fn operations_of_subgroups_see_their_width() {
+    assert_eq!(of_subgroups("subgroupAdd(x)", 4), [10, 10, 10, 10, 26, 26, 26, 26, 42, 42]);
+    assert_eq!(of_subgroups("subgroupAdd(x)", 8), [36, 36, 36, 36, 36, 36, 36, 36, 100, 100]);
+    assert_eq!(of_subgroups("subgroupInclusiveAdd(x)", 4), [1, 3, 6, 10, 5, 11, 18, 26, 9, 19]);
+    assert_eq!(of_subgroups("subgroupExclusiveMul(x)", 4), [1, 1, 2, 6, 1, 5, 30, 210, 1, 9]);
+    assert_eq!(of_subgroups("subgroupMax(x)", 4), [4, 4, 4, 4, 8, 8, 8, 8, 12, 12]);
+    assert_eq!(of_subgroups("subgroupBroadcast(x, 2u)", 4), [3, 3, 3, 3, 7, 7, 7, 7, 11, 11]);
+    assert_eq!(of_subgroups("subgroupBroadcastFirst(x)", 8), [1, 1, 1, 1, 1, 1, 1, 1, 9, 9]);
+    assert_eq!(of_subgroups("subgroupShuffleXor(x, 1u)", 4), [2, 1, 4, 3, 6, 5, 8, 7, 10, 9]);
+    // From one that is not there comes anything: here 0.
+    assert_eq!(of_subgroups("subgroupShuffleUp(x, 1u)", 4), [0, 1, 2, 3, 0, 5, 6, 7, 0, 9]);
+    assert_eq!(of_subgroups("subgroupShuffleDown(x, 1u)", 4), [2, 3, 4, 0, 6, 7, 8, 0, 10, 11]);
+    assert_eq!(of_subgroups("subgroupBallot((x & 1u) == 1u).x", 8), [85, 85, 85, 85, 85, 85, 85, 85, 85, 85]);
+    assert_eq!(of_subgroups("select(0u, 1u, subgroupAll(x < 6u))", 4), [1, 1, 1, 1, 0, 0, 0, 0, 0, 0]);
+    assert_eq!(of_subgroups("select(0u, 1u, subgroupAny(x == 6u))", 4), [0, 0, 0, 0, 1, 1, 1, 1, 0, 0]);
+    assert_eq!(of_subgroups("lane * 100u + size", 4), [4, 104, 204, 304, 4, 104, 204, 304, 4, 104]);
+    assert_eq!(of_subgroups("u32(subgroupAdd(f32(x)) * 2.0)", 4), [20, 20, 20, 20, 52, 52, 52, 52, 84, 84]);
+}
+
+#[test]
+fn who_is_missing_in_a_subgroup_is_told() {
+    let found = |body: &str| {
+        let text = format!(
+            "@group(0) @binding(0) var<storage, read_write> a: array<u32>;
+            @compute @workgroup_size(16) fn main(@builtin(global_invocation_id) id: vec3u) {{ {body} }}"
+        );
+        run_in(&text, 32, true, 8).incidents.iter().map(|incident| incident.what).collect::<Vec<_>>()
+    };
+    assert_eq!(found("if id.x < 4u { a[id.x] = subgroupAdd(id.x); }"), [Wrong::Apart]);
+    // All of a subgroup come, or none.
+    assert_eq!(found("if id.x < 8u { a[id.x] = subgroupAdd(id.x); }"), []);
 }

@@ -87,7 +87,7 @@ impl BoundBuffer {
             words[byte as usize / unit] = record[word as usize];
         }
         let elements = shape.array.as_ref().map_or(0, |array| (words.len() as u32 - array.offset) / array.stride);
-        Buffer { words, elements }
+        Buffer { words, elements, extent: [1; 3] }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Whole dispatches as one program, against values derived without it.
 
-use super::super::{Binary64, FUEL, HazardKind, compile};
+use super::super::{Binary32, Binary64, FUEL, HazardKind, compile};
 use crate::{Chosen, Dispatch, Form, ModuleText, Program, Written};
 use base::text::SourceFile;
 use base::value::Batch;
@@ -125,4 +125,49 @@ fn a_dispatch_that_does_not_fit_is_refused() {
     assert!(refused([1, 1, 1], &[("data", 0), ("sums", 1)]).contains("`data` without an element"));
     let unknown = refused([1, 1, 1], &[("data", 8), ("sums", 1), ("dta", 1)]);
     assert!(unknown.contains("`dta`") && unknown.contains("these are: data, sums"), "{unknown}");
+}
+
+/// 2048 + 1 is no number of binary16, nor is 65504 · 2: a device rounds, and meaning does not.
+#[test]
+fn numbers_of_binary16_are_rounded_and_mean_real_ones() {
+    let text = "enable f16;
+        struct Mixed { scale: f32, halves: vec3<f16>, count: u32 }
+        @group(0) @binding(0) var<storage, read> data: array<f16>;
+        @group(0) @binding(1) var<storage, read> mixed: array<Mixed, 2>;
+        @group(0) @binding(2) var<storage, read_write> out: array<f16>;
+        @compute @workgroup_size(1)
+        fn main() {
+            out[0] = data[0] + data[1];
+            out[1] = data[2] * 2.0h;
+            out[2] = f16(mixed[1].scale) + mixed[1].halves.z;
+            out[3] = f16(f32(data[0]) + f32(data[1]));
+        }";
+    let program = dispatched(text, [1, 1, 1], &[("data", 3), ("out", 4)]);
+    let numbers = [2048.0_f32, 1.0, 65504.0];
+    let mut words: Vec<u32> = numbers.map(f32::to_bits).to_vec();
+    // Two structures with a number, three of binary16 and a count, then what is written.
+    for scale in [1.0_f32, 3.0] {
+        words.extend([scale, 0.25, 0.5, 0.75].map(f32::to_bits));
+        words.push(7);
+    }
+    words.extend([0; 4]);
+    let batch = batch(&program, words);
+    let executable = compile(&program).unwrap();
+    let strict = executable.run::<Binary32>(&batch, FUEL).unwrap();
+    let real = executable.run::<Binary64>(&batch, FUEL).unwrap();
+    let strict: Vec<f32> = strict.vertex(0, 0).iter().map(|&bits| f32::from_bits(bits)).collect();
+    assert_eq!(strict, [2048.0, f32::INFINITY, 3.75, 2048.0]);
+    assert_eq!(real.vertex(0, 0), [2049.0, 131_008.0, 3.75, 2049.0]);
+}
+
+/// Buffers of binary16 have places of two bytes.
+#[test]
+fn places_of_binary16_are_two_bytes() {
+    let text = "enable f16;
+        @group(0) @binding(0) var<storage, read_write> data: array<vec3<f16>>;
+        @compute @workgroup_size(1) fn main() { data[1].z = 1.0h; }";
+    let program = dispatched(text, [1, 1, 1], &[("data", 2)]);
+    let Form::Dispatch { buffers, .. } = program.compute_kernel().unwrap().form else { panic!("a dispatch") };
+    let bytes: Vec<u32> = buffers[0].before.iter().map(|place| place.byte).collect();
+    assert_eq!(bytes, [0, 2, 4, 8, 10, 12]);
 }
