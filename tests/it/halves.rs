@@ -35,7 +35,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {{
 
 const SUITE: &str = "suite = \"halves\"\nshader = \"halves.wgsl\"\nstage = \"compute\"\nsamples = 8\n\
     reference = { file = \"reference.wgsl\", groups = \"(ROWS + 31) / 32\" }\n[dispatch]\ngroups = \"(ROWS + 31) / 32\"\n\
-    lengths = { rows = \"ROWS * N\", weights = \"N\", products = \"ROWS\" }\nsizes = { ROWS = [3, 200], N = [5, 24] }\n\
+    lengths = { rows = \"ROWS * N\", weights = \"N\", products = \"ROWS\" }\nsizes = { ROWS = [3, 200], N = [2, 5] }\n\
     [[inputs]]\nnames = [\"rows\"]\ngenerator = \"array\"\nrange = [0.5, 2.0]\n\
     [[inputs]]\nnames = [\"weights\"]\ngenerator = \"array\"\nrange = [0.5, 1.0]\n";
 
@@ -70,11 +70,13 @@ fn a_device_that_errs_as_far_as_it_may_is_not_accused() {
     let wgsl = profile::by_name("wgsl").unwrap();
     let promises = Promises { text: wgsl, conformance: None, measured: None };
     fs::write(folder.path().join("f.wgsl"), functions).unwrap();
-    for (function, inputs) in [("gelu", "x"), ("soft", "a, b"), ("unit", "v"), ("root", "x")] {
+    for (function, inputs, generator) in
+        [("gelu", "x", "interval"), ("soft", "a, b", "interval"), ("unit", "v", "vector"), ("root", "x", "interval")]
+    {
         let names: Vec<String> = inputs.split(", ").map(|name| format!("{name:?}")).collect();
         let suite = format!(
-            "suite = \"f\"\nshader = \"f.wgsl\"\nfunction = \"{function}\"\nsamples = 4096\n\
-             reference = {{ file = \"f.wgsl\", function = \"{function}\" }}\n[[inputs]]\nnames = [{}]\ngenerator = \"range\"\nrange = [-4.0, 4.0]\n",
+            "suite = \"f\"\nshader = \"f.wgsl\"\nstage = \"function\"\nentry = \"{function}\"\nsamples = 4096\n\
+             reference = {{ file = \"f.wgsl\", function = \"{function}\" }}\n[[inputs]]\nnames = [{}]\ngenerator = \"{generator}\"\nrange = [-4.0, 4.0]\n",
             names.join(", ")
         );
         fs::write(folder.path().join("f.suite.toml"), suite).unwrap();

@@ -62,7 +62,10 @@ pub(crate) fn link(
     let rest = if lacking.is_empty() { None } else { linked.without(lacking) };
     let rest =
         rest.map(|left_out| Rest { file: naming::write(root, &linked, &paths, options, Vec::new()).file, left_out });
-    let mentioned = |name: &str| linked.modules.iter().any(|module| mentions(&module.author, name));
+    let mentioned = |name: &str| {
+        let files = linked.modules.iter().flat_map(|module| module.included.iter().chain([&module.author]));
+        files.into_iter().any(|file| mentions(file, name))
+    };
     let stated = options.defines.iter().map(|(name, _)| name).filter(|name| mentioned(name)).cloned().collect();
     Composed { guessed, notes, stated, rest, ..composed }
 }

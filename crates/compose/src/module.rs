@@ -35,6 +35,8 @@ pub(crate) struct Module {
     pub draft: Option<Diagnostic>,
     /// What is assumed of values that nobody states.
     pub assumed: Vec<Diagnostic>,
+    /// Files that a template put in.
+    pub included: Vec<SourceFile>,
 }
 
 /// An import with the file and place that it stands at.
@@ -54,7 +56,7 @@ impl Module {
         library: &mut dyn Library,
         problems: &mut Problems,
     ) -> Self {
-        let template::Rendered { file, notes: assumed, left_out: branches } = match options.stand_ins {
+        let template::Rendered { file, notes: assumed, left_out: branches, included } = match options.stand_ins {
             true => template::Rendered::of(template::stand_in(author, defines)),
             false => template::render(author, defines, library, problems),
         };
@@ -105,6 +107,7 @@ impl Module {
             locals,
             draft: note,
             assumed,
+            included,
         }
     }
 

@@ -26,12 +26,14 @@ pub(crate) struct Rendered {
     pub notes: Vec<Diagnostic>,
     /// Texts of branches that are not taken, each with its condition.
     pub left_out: Vec<(String, String)>,
+    /// Files that were put in.
+    pub included: Vec<SourceFile>,
 }
 
 impl Rendered {
     /// A text in which nothing was put in.
     pub(crate) fn of(file: SourceFile) -> Self {
-        Self { file, notes: Vec::new(), left_out: Vec::new() }
+        Self { file, notes: Vec::new(), left_out: Vec::new(), included: Vec::new() }
     }
 }
 
@@ -57,13 +59,14 @@ pub(crate) fn render(
         told: HashSet::new(),
         notes: Vec::new(),
         left_out: Vec::new(),
+        included: Vec::new(),
         out: Assembly::new(),
         parts: 0,
         depth: 0,
     };
     work.look(file, &nodes);
     work.nodes(file, &nodes);
-    Rendered { file: work.out.finish(file.name()), notes: work.notes, left_out: work.left_out }
+    Rendered { file: work.out.finish(file.name()), notes: work.notes, left_out: work.left_out, included: work.included }
 }
 
 const OPEN: &str =
@@ -82,6 +85,7 @@ struct Work<'a> {
     told: HashSet<String>,
     notes: Vec<Diagnostic>,
     left_out: Vec<(String, String)>,
+    included: Vec<SourceFile>,
     out: Assembly,
     parts: usize,
     depth: usize,
@@ -328,6 +332,7 @@ impl Work<'_> {
             let help = "name its folder with `-I FOLDER`";
             return self.problems.add(errors::IMPORT, file, span, format!("`{path}` is not found"), help);
         };
+        self.included.push(found.clone());
         let Some((nodes, loose)) = tree(&found) else {
             return self.out.copy(&found, Span::new(0, found.text().len()));
         };

@@ -103,6 +103,15 @@ fn what_a_branch_declares_that_is_off_is_told() {
 }
 
 #[test]
+fn what_an_included_template_asks_for_is_stated() {
+    let root = SourceFile::new("a.wgsl", "{% include 'b.wgsl' %}\nfn f(x: T) -> T { return x; }");
+    let options = crate::Options { defines: vec![("wide".to_owned(), "1".to_owned())], ..Default::default() };
+    let part = SourceFile::new("b.wgsl", "{% if wide %}alias T = f32;{% endif %}");
+    let found = crate::compose(&root, &options, &mut Files(vec![part])).unwrap();
+    assert_eq!((found.stated, found.undeclared), (vec!["wide".to_owned()], vec![]));
+}
+
+#[test]
 fn what_has_no_value_and_what_needs_an_engine_is_told() {
     let told = |text| filled(text, &[]).1;
     assert_eq!(told("a\n  {{X}}"), ["a.wgsl:2:3 the placeholder `X` has no value"]);

@@ -6,6 +6,8 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
+pub use super::guarded::Guarded;
+
 use super::domain::{Binary, Class, Comparison, FromWords, Site, ToWords, Unary, WordSource};
 use super::group::{MemoryAccess, MemoryShape, Subgroup};
 use super::meaning::HazardKind;
@@ -140,53 +142,6 @@ pub(super) enum Field {
     ExtractSigned,
     ExtractUnsigned,
     Insert,
-}
-
-/// Arguments for which GLSL leaves the result of a function undefined.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Guarded {
-    /// `sqrt(x)`, x < 0.
-    Sqrt,
-    /// `inversesqrt(x)`, x ≤ 0.
-    InverseSqrt,
-    /// `log(x)`, x ≤ 0.
-    Log,
-    /// `log2(x)`, x ≤ 0.
-    Log2,
-    /// `asin(x)`, |x| > 1.
-    Asin,
-    /// `acos(x)`, |x| > 1.
-    Acos,
-    /// `acosh(x)`, x < 1.
-    Acosh,
-    /// `atanh(x)`, |x| ≥ 1.
-    Atanh,
-    /// `pow(x, y)`, x < 0, or x = 0 and y ≤ 0.
-    Pow,
-    /// `atan(y, x)`, both 0.
-    Atan2,
-    /// `clamp(v, x, y)`, x > y.
-    Clamp,
-    /// `smoothstep(x, y, v)`, x ≥ y.
-    SmoothStep,
-}
-
-impl Guarded {
-    /// True when the result is undefined. Functions of one argument look at the first alone.
-    #[inline]
-    pub fn is_outside(self, x: f64, y: f64) -> bool {
-        match self {
-            Self::Sqrt => x < 0.0,
-            Self::InverseSqrt | Self::Log | Self::Log2 => x <= 0.0,
-            Self::Asin | Self::Acos => x.abs() > 1.0,
-            Self::Acosh => x < 1.0,
-            Self::Atanh => x.abs() >= 1.0,
-            Self::Pow => x < 0.0 || (x == 0.0 && y <= 0.0),
-            Self::Atan2 => x == 0.0 && y == 0.0,
-            Self::Clamp => x > y,
-            Self::SmoothStep => x >= y,
-        }
-    }
 }
 
 /// A dynamic index as the program has it: its register, the number of elements, and where it stands.

@@ -15,6 +15,7 @@ mod code;
 mod compile;
 mod domain;
 pub mod group;
+mod guarded;
 mod indexed;
 mod integer;
 mod lowered;
