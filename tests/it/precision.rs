@@ -78,6 +78,45 @@ fn a_pair_of_numbers_is_told_by_what_regrouping_costs() {
 }
 
 #[test]
+fn one_transformation_is_told_once_and_a_coincidence_is_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = |text: &str| {
+        fs::write(folder.path().join("sum.glsl"), text).unwrap();
+        let command = "fuzz sum.glsl --samples 8192 --lane embedded --domain a=[-1,1] --domain b=[-1,1] --format json";
+        run_in(folder.path(), command).json()["files"][0]["functions"][0]["findings"].clone()
+    };
+    // Two sums take rounding errors, on one way to the second output.
+    let twice = "#version 450\nvec2 two(float a, float b) {\n    float s = a + b;\n    float v = s - a;\n    \
+                 float low = (a - (s - v)) + (b - v);\n    float t = s + low;\n    return vec2(t, low + (s - t));\n}\n";
+    let all = found(twice);
+    let orders: Vec<_> = all.as_array().unwrap().iter().filter(|f| f["kind"] == "rounding_order").collect();
+    assert_eq!(orders.len(), 1, "{all}");
+}
+
+#[test]
+fn a_way_through_zero_is_no_warning_and_a_lost_digit_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = |body: &str| {
+        let text = format!("#version 450\nfloat f(float x, float y) {{ return {body}; }}\n");
+        fs::write(folder.path().join("f.glsl"), text).unwrap();
+        let command = "fuzz f.glsl --samples 65536 --lane embedded --domain x=[2,3.5] --domain y=[2,3.5] --format json";
+        run_in(folder.path(), command).json()["files"][0]["functions"][0]["findings"].clone()
+    };
+    for body in ["x * y - 7.5", "x * 1.1 - y * 1.2"] {
+        let all = found(body);
+        assert!(!all.to_string().contains("ill_conditioned"), "{body}: {all}");
+        let crossing = all.as_array().unwrap().iter().filter(|f| f["kind"] == "zero_crossing");
+        let severities: Vec<_> = crossing.map(|f| f["severity"].clone()).collect();
+        assert_eq!(severities, ["note"], "{body}: {all}");
+    }
+    // Twins that another formula mends, and one whose error is large beside all of its values.
+    for body in ["exp(x * 1e-5) - 1.0 + y * 0.0", "fract(sin(x * 12.9898 + y * 78.233) * 43758.5453)"] {
+        let all = found(body);
+        assert!(all.to_string().contains("ill_conditioned"), "{body}: {all}");
+    }
+}
+
+#[test]
 fn an_overflow_inside_of_a_split_is_no_fault_of_the_lane() {
     let folder = tempfile::tempdir().unwrap();
     let text = "#version 450\nfloat high(float a) { precise float t = 4097.0 * a; precise float h = t - (t - a); return h; }\n";

@@ -199,6 +199,7 @@ impl Dispatched {
             found: None,
             condition: None,
             worst: None,
+            also: Vec::new(),
             diagnosis: None,
             reproduce: Some(command.to_owned()),
         }

@@ -54,6 +54,8 @@ pub enum FuzzFindingKind {
     SubgroupWidth,
     /// Rounding is enlarged so much that an output has few right digits.
     IllConditioned,
+    /// An output crosses zero, where no formula keeps all of its digits.
+    ZeroCrossing,
     /// An output is too large for binary32.
     TooLarge,
     /// An output is made of rounding errors, which a device may regroup away.
@@ -92,6 +94,7 @@ impl FuzzFindingKind {
             Self::Divergence => "divergence",
             Self::SubgroupWidth => "subgroup_width",
             Self::IllConditioned => "ill_conditioned",
+            Self::ZeroCrossing => "zero_crossing",
             Self::TooLarge => "too_large",
             Self::RoundingOrder => "rounding_order",
             Self::MediumpOverflow => "mediump_overflow",
@@ -126,6 +129,7 @@ impl FuzzFindingKind {
                 Standing::Counts | Standing::Unstated => Severity::Warning,
                 Standing::Extreme => Severity::Note,
             },
+            Self::ZeroCrossing => Severity::Note,
             // What whole numbers a function takes, and how large its results may be, only its author knows.
             Self::Undefined
             | Self::Index
@@ -152,7 +156,7 @@ pub enum Severity {
     Finding,
     /// Worth a look; the run does not fail.
     Warning,
-    /// For inputs alone that may never come.
+    /// For inputs alone that may never come, or worth knowing and no fault.
     Note,
 }
 
@@ -227,6 +231,9 @@ pub struct Finding {
     /// inputs that show it.
     #[serde(with = "base::value::exact::beside")]
     pub worst: Option<(f64, Vec<InputValue>)>,
+    /// Other operations of the function with the same cause, each with the samples that show it.
+    #[serde(default)]
+    pub also: Vec<(Place, u64)>,
     /// Where a deviation of a lane comes from.
     pub diagnosis: Option<Diagnosis>,
     /// A command that shows it again.

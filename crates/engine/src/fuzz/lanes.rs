@@ -164,6 +164,7 @@ impl<'a> OnLane<'a> {
             found: None,
             condition: None,
             worst: None,
+            also: Vec::new(),
             diagnosis: None,
             reproduce: None,
         };

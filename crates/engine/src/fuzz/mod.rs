@@ -9,6 +9,7 @@
 
 mod assumed;
 mod builtin;
+mod crossing;
 mod domain;
 mod finding;
 mod generate;
@@ -23,6 +24,7 @@ mod scan;
 mod shrinking;
 mod slice;
 mod subject;
+mod words;
 mod wrapper;
 
 pub use assumed::{Assumed, assumed, note};

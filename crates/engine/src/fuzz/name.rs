@@ -12,7 +12,9 @@ use judge::verdict::diagnosis::Place;
 use lanes::{Api, Stage, interrupt};
 use program::Program;
 use program::interp::{Binary32, Binary64, Dependence, Executable, Machine, OutputColumn, SLOTS, Site, author_span};
+use property::Sample;
 
+use super::crossing::crosses;
 use super::finding::FuzzFindingKind;
 
 /// What is known about the trouble of one sample.
@@ -75,9 +77,14 @@ impl Named {
             && rest <= size * 2f64.powi(-20)
     }
 
-    /// What makes it one finding with others.
+    /// What makes it one finding with others. A pair of outputs is one transformation, and an output crosses zero, however
+    /// many operations show it.
     pub fn key(&self) -> Key {
-        (self.kind, self.op, self.site)
+        match self.kind {
+            FuzzFindingKind::ZeroCrossing => (self.kind, None, None),
+            FuzzFindingKind::RoundingOrder if self.pair.is_some() => (self.kind, None, None),
+            _ => (self.kind, self.op, self.site),
+        }
     }
 }
 
@@ -87,8 +94,8 @@ fn strict() -> &'static Profile {
 }
 
 /// Names the trouble of samples; `None` where there is none after all: a comparison could go either way,
-/// and decides the output.
-pub fn name(ready: &Ready, batch: &Batch, looks: &[(usize, Look)]) -> Vec<Option<Named>> {
+/// and decides the output. `sizes` are the usual ones of the output words.
+pub fn name(ready: &Ready, sizes: &[f64], batch: &Batch, looks: &[(usize, Look)]) -> Vec<Option<Named>> {
     let model = Model::Device { profile: strict(), stage: Stage::Compute, rearranged: false };
     // What does not end says so by itself, and would hold up what does.
     let ending: Vec<&(usize, Look)> = looks.iter().filter(|(_, look)| look.trouble != Some(Trouble::Endless)).collect();
@@ -112,7 +119,7 @@ pub fn name(ready: &Ready, batch: &Batch, looks: &[(usize, Look)]) -> Vec<Option
                 tape.run_some(batch, &invocations);
                 narrow.run_some(batch, &invocations);
                 let one = |(slot, (invocation, look)): (usize, &&(usize, Look))| {
-                    one(tape, narrow, wide, batch, (slot, *invocation), look)
+                    one(tape, narrow, wide, (batch, sizes), (slot, *invocation), look)
                 };
                 looks.iter().enumerate().map(one).collect()
             },
@@ -130,7 +137,7 @@ fn one(
     tape: &mut Machine<'_, Tape<'_>>,
     narrow: &Machine<'_, Binary32>,
     wide: &mut Machine<'_, Binary64>,
-    batch: &Batch,
+    (batch, sizes): (&Batch, &[f64]),
     (slot, invocation): (usize, usize),
     look: &Look,
 ) -> Option<Named> {
@@ -195,6 +202,7 @@ fn one(
             return None;
         }
         Trouble::Moved if named.is_of_roundings(2f64.powi(-40)) => FuzzFindingKind::RoundingOrder,
+        Trouble::Moved if crosses(&named, sizes, wide, &Sample::of(batch, invocation)) => FuzzFindingKind::ZeroCrossing,
         _ => of_results(trouble),
     };
     Some(named)

@@ -2,18 +2,20 @@
 
 use std::collections::HashMap;
 
+use super::crossing;
 use super::domain::{Domain, InputDomain, Law, Standing, Within};
 use super::finding::{Finding, FunctionReport, FuzzFindingKind, Part, Severity};
 use super::generate;
 use super::lanes::OnLane;
 use super::lowered::Lowered;
-use super::name::{Key, Named, applied, decimal, name, place, undefined};
-use super::scan::{LIMIT, Look, ROUNDS, Trouble, scan};
+use super::name::{Key, Named, name, place, undefined};
+use super::scan::{Look, Trouble, scan};
 use super::shrinking::smallest;
 use super::subject::{Ready, Subject};
+use super::words::{cause, message};
 use crate::{InputValue, dispatch};
 use base::value::{Batch, Record};
-use judge::profile::{Op, Promises};
+use judge::profile::Promises;
 use judge::verdict::{Fenced, Oracle, Reference, Rounds, edges};
 use lanes::{Lane, LaneName, embedded, interrupt};
 use property::{Sample, Stream, regressions};
@@ -29,6 +31,9 @@ const PILOT: u64 = 512;
 const SECOND: u64 = 4;
 /// Places that are told for one function; the rest is counted.
 const REPORTED: usize = 8;
+/// Two outputs are a number and what rounding left of it where one sample of so many shows it, and at least two do: a
+/// coincidence of one is none.
+const PAIRED: u64 = 1 << 12;
 
 /// What a run is asked for.
 #[derive(Clone, Debug)]
@@ -66,6 +71,8 @@ struct Looked<'a> {
     domain: &'a Domain,
     /// Samples by what inputs are taken for come first; otherwise all are alike.
     in_parts: bool,
+    /// The usual size of each output word.
+    sizes: &'a [f64],
 }
 
 impl Looked<'_> {
@@ -178,7 +185,12 @@ pub fn run(
     let mut groups: HashMap<Key, Group> = HashMap::new();
     // Who gives a case states its inputs.
     let in_parts = !request.hostile && case.is_none() && !constant && !domain.is_stated();
-    let looked = Looked { ready, domain, in_parts };
+    let usual = match domain.is_stated() {
+        true => generate::batch(invocation, uniforms, domain, key, 0, crossing::PILOT),
+        false => ready.realistic.batch((invocation, uniforms), domain, key, 0, crossing::PILOT),
+    };
+    let sizes = crossing::sizes(ready, &usual);
+    let looked = Looked { ready, domain, in_parts, sizes: &sizes };
     if in_parts {
         let all = ready.realistic.taken_for(domain);
         report.taken_for = all.into_iter().map(|taken| taken.map(str::to_owned)).collect();
@@ -337,7 +349,7 @@ fn sort(
             report.max_error = look.error;
         }
     }
-    for ((invocation, look), named) in open.iter().zip(name(looked.ready, batch, &open)) {
+    for ((invocation, look), named) in open.iter().zip(name(looked.ready, looked.sizes, batch, &open)) {
         let Some(named) = named else { continue };
         let sample = Sample::of(batch, *invocation);
         let standing = looked.standing(part, &sample);
@@ -416,15 +428,33 @@ fn add_findings(
             key.1.map(|op| op.name()),
         )
     });
+    let by_chance = |group: &Group| {
+        let paired = group.named.kind == FuzzFindingKind::RoundingOrder && group.named.pair.is_some();
+        paired && request.case.is_none() && group.count < (report.samples / PAIRED).max(2)
+    };
+    groups.retain(|(_, group)| !by_chance(group));
     for (index, (key, group)) in groups.into_iter().enumerate() {
         let severity = severity(&key, &group);
+        // Digits that are lost on one way to the outputs are one finding, with all places.
+        let ill_conditioned = key.0 == FuzzFindingKind::IllConditioned;
+        let same = |f: &&mut Finding| f.kind == key.0 && f.severity == severity && f.lane.is_none();
+        if let Some(first) = report.findings.iter_mut().filter(|_| ill_conditioned).find(same) {
+            first.count += group.count;
+            first.counting += group.counting;
+            let there = place(&ready.program, &ready.executable, group.named.site);
+            first.also.extend(there.map(|there| (there, group.count)));
+            continue;
+        }
         let shrunk = request.case.is_none()
             && index < REPORTED
             && !interrupt::asked()
             && (request.notes || severity != Severity::Note);
         let found = (group.sample.clone(), Some(group.named.clone()));
-        let (sample, named) =
-            if shrunk { smallest(ready, domain, found, key, looked.within(group.standing)) } else { found };
+        let (sample, named) = if shrunk {
+            smallest((ready, looked.sizes), domain, found, key, looked.within(group.standing))
+        } else {
+            found
+        };
         let Some(named) = named else { continue };
         let mut finding = finding(looked, severity, &named, &sample, &group, reproduce);
         if named.kind == FuzzFindingKind::IllConditioned && request.case.is_none() {
@@ -459,6 +489,7 @@ fn finding(
             | FuzzFindingKind::Underflow
             | FuzzFindingKind::Lost
             | FuzzFindingKind::IllConditioned
+            | FuzzFindingKind::ZeroCrossing
             | FuzzFindingKind::RoundingOrder
             | FuzzFindingKind::TooLarge
     );
@@ -479,104 +510,8 @@ fn finding(
         condition: (named.kind == FuzzFindingKind::IllConditioned && named.condition.is_finite())
             .then_some(named.condition),
         worst: None,
+        also: Vec::new(),
         diagnosis: None,
         reproduce: Some(reproduce(sample)),
     }
-}
-
-/// What findings have in common that one change of the shader would mend.
-fn cause(named: &Named) -> String {
-    let missing = matches!(named.kind, FuzzFindingKind::NoValue | FuzzFindingKind::Infinite | FuzzFindingKind::Lost);
-    match named.op {
-        Some(Op::Div | Op::Rem | Op::Mod) if missing => "a division by 0".to_owned(),
-        Some(op) if missing => format!("`{}` where it has no finite value", op.name()),
-        Some(_) | None => match named.kind {
-            FuzzFindingKind::IllConditioned => "digits are lost".to_owned(),
-            kind => kind.name().replace('_', " "),
-        },
-    }
-}
-
-/// What is wrong, in one sentence. `shown` is the name of the output with the closing quote.
-fn message(named: &Named, shown: &str) -> String {
-    let op = named.op.map(|op| applied(op, &named.args));
-    let by = |what: &str| op.as_ref().map_or_else(String::new, |op| format!(": {op} {what}"));
-    // Where binary64 loses the value on the way, it knows no result either.
-    let known = named.meaning.is_finite();
-    let result = if known { format!("the result is {}, ", decimal(named.meaning)) } else { String::new() };
-    let strict = if named.strict.is_nan() { "nan".to_owned() } else { format!("{:?}", named.strict) };
-    match named.kind {
-        FuzzFindingKind::NoValue if named.value.is_infinite() => format!("`{shown} has no value{}", by("is infinite")),
-        FuzzFindingKind::NoValue => format!("`{shown} has no value{}", by("has none")),
-        FuzzFindingKind::Infinite => format!("`{shown} is infinite{}", by("is")),
-        FuzzFindingKind::Overflow => format!(
-            "overflow on the way to `{shown}{}; {result}binary32 gives {strict}",
-            by("is too large for binary32")
-        ),
-        FuzzFindingKind::Underflow => format!(
-            "underflow on the way to `{shown}{}; {result}binary32 gives {strict}",
-            by("is too small for binary32")
-        ),
-        FuzzFindingKind::Lost => format!(
-            "rounding leaves `{shown} without a value{}; binary32 gives {strict}",
-            by("has no right digit left")
-        ),
-        FuzzFindingKind::IllConditioned => {
-            let lost = (f64::from(named.strict) - named.meaning).abs() / named.meaning.abs();
-            let bits = (24.0 + lost.max(LIMIT * LIMIT).log2()).clamp(0.0, 24.0);
-            let many = if named.condition == 0.0 {
-                // `floor` and the like: flat on both sides.
-                " has a jump beside its argument".to_owned()
-            } else if named.condition.is_finite() {
-                format!(" enlarges rounding errors {} times", short(named.condition))
-            } else {
-                " keeps no right digit".to_owned()
-            };
-            let op = op.as_ref().map_or_else(|| "an operation".to_owned(), Clone::clone);
-            format!(
-                "ill-conditioned: {op}{many}; `{shown} is {}, binary32 gives {strict}: {bits:.0} of 24 bits are lost",
-                decimal(named.meaning)
-            )
-        }
-        FuzzFindingKind::RoundingOrder => match named.pair {
-            Some([with, without]) => format!(
-                "relies on rounding order: `{shown} is 0 in real numbers and what rounding left of another output; a conforming \
-                 device may regroup{}: the error of both grows from {with:.0e} to {without:.0e} at these inputs; add `precise`",
-                op.as_ref().map_or_else(String::new, |op| format!(" {op}"))
-            ),
-            None => format!(
-                "relies on rounding order: `{shown} is 0 in real numbers, binary32 gives {strict}, and a conforming device may \
-             regroup{}, which leaves nothing of it; add `precise` to what it is computed from",
-                op.as_ref().map_or_else(String::new, |op| format!(" {op}"))
-            ),
-        },
-        FuzzFindingKind::TooLarge => format!("`{shown} is too large for binary32{}", by("is")),
-        FuzzFindingKind::NotWritten => format!("`{shown} is not written"),
-        FuzzFindingKind::TooManyVertices => {
-            "more vertices are emitted than `max_vertices`; those past it are lost".to_owned()
-        }
-        FuzzFindingKind::Endless => format!("a loop goes on after {ROUNDS} rounds"),
-        FuzzFindingKind::Unset | FuzzFindingKind::Undefined => {
-            format!("the value is undefined: {}", named.why.as_deref().unwrap_or("the operation leaves its range"))
-        }
-        FuzzFindingKind::Index => "an index lies outside of its array".to_owned(),
-        FuzzFindingKind::DivisionByZero => "an integer is divided by zero".to_owned(),
-        FuzzFindingKind::Shift => "a shift by 32 bits or more".to_owned(),
-        FuzzFindingKind::Conversion => "a number does not fit the integer that it is converted to".to_owned(),
-        FuzzFindingKind::IntegerOverflow => "a signed integer does not fit 32 bits".to_owned(),
-        FuzzFindingKind::LaneDeviation
-        | FuzzFindingKind::NotDeterministic
-        | FuzzFindingKind::LaneFailed
-        | FuzzFindingKind::Race
-        | FuzzFindingKind::Divergence
-        | FuzzFindingKind::SubgroupWidth
-        | FuzzFindingKind::MediumpOverflow
-        | FuzzFindingKind::MediumpUnderflow
-        | FuzzFindingKind::MediumpDigits => named.kind.name().to_owned(),
-    }
-}
-
-/// A factor, in few digits.
-fn short(x: f64) -> String {
-    if x < 1e4 { format!("{x:.0}") } else { format!("{x:.1e}") }
 }

@@ -101,8 +101,18 @@ struct FindingJson<'a> {
     found_bits: Option<String>,
     condition: Option<f64>,
     worst: Option<Worst<'a>>,
+    /// Other places of the same cause.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    also: Vec<Also<'a>>,
     cause: Option<String>,
     reproduce: Option<&'a str>,
+}
+
+#[derive(Serialize)]
+struct Also<'a> {
+    at: &'a Location,
+    text: &'a str,
+    samples: u64,
 }
 
 #[derive(Serialize)]
@@ -216,6 +226,7 @@ fn found(finding: &Finding) -> FindingJson<'_> {
         found_bits: finding.found.map(|b| format!("{b:08x}")),
         condition: finding.condition,
         worst: finding.worst.as_ref().map(|(error, worst)| Worst { error: *error, inputs: inputs(worst) }),
+        also: finding.also.iter().map(|(at, samples)| Also { at: &at.at, text: &at.text, samples: *samples }).collect(),
         cause: finding.diagnosis.as_ref().and_then(|d| d.origin.as_ref()).map(ToString::to_string),
         reproduce: finding.reproduce.as_deref(),
     }

@@ -193,6 +193,14 @@ fn one(text: &mut String, function: &FunctionReport, finding: &Finding, color: b
         let expanded = expansion.as_ref().map_or_else(String::new, |name| format!(", in the expansion of `{name}`"));
         let _ = writeln!(text, "  at         {at}: `{source}`{expanded}");
     }
+    let mut label = "also at";
+    for (place, count) in finding.also.iter().take(PLACES) {
+        let _ = writeln!(text, "  {label:<10} {}: `{}` ({count} samples)", place.at, place.text);
+        label = "";
+    }
+    if finding.also.len() > PLACES {
+        let _ = writeln!(text, "  {label:<10} and {} more places", finding.also.len() - PLACES);
+    }
     if finding.count > 0 {
         let counting = match finding.counting {
             _ if finding.lane.is_some() => String::new(),
@@ -232,11 +240,11 @@ fn one(text: &mut String, function: &FunctionReport, finding: &Finding, color: b
     }
 }
 
-/// The command that looks for a better formula, for what loses digits in a file of GLSL.
+/// The command that looks for a better formula, for what loses digits in a file of GLSL or WGSL.
 fn better(finding: &Finding) -> Option<String> {
     let at = &finding.place.as_ref().filter(|_| finding.kind == FuzzFindingKind::IllConditioned)?.at;
     let plain = |c: char| c.is_ascii_alphanumeric() || "._-/".contains(c);
-    let other = [".wgsl", ".hlsl", ".slang", ".spv"].iter().any(|ending| at.file.ends_with(ending));
+    let other = [".hlsl", ".slang", ".spv"].iter().any(|ending| at.file.ends_with(ending));
     let line = at.position.filter(|_| !other && at.file.contains('.') && at.file.chars().all(plain))?.line;
     Some(format!("shadercheck improve {}:{line}", at.file))
 }
@@ -251,8 +259,10 @@ pub fn totals(summary: &Summary, notes: bool, color: bool) -> String {
     let totals = summary.totals();
     if totals.notes > 0 && !notes {
         let many = if totals.notes == 1 { "1 note is".to_owned() } else { format!("{} notes are", totals.notes) };
-        let _ =
-            writeln!(text, "note: {many} left out: they are about inputs that may never come; `--notes` shows them");
+        let _ = writeln!(
+            text,
+            "note: {many} left out, about inputs that may never come and what is no fault; `--notes` shows them"
+        );
     }
     if totals.findings > 0 {
         let _ = writeln!(

@@ -156,6 +156,7 @@ impl<'a> Lowered<'a> {
                 found: Some(harmed.lowered.to_bits()),
                 condition: None,
                 worst: None,
+                also: Vec::new(),
                 diagnosis: None,
                 reproduce: Some(reproduce(&sample)),
             }
