@@ -11,16 +11,17 @@ use clap::Args;
 use super::check::profile;
 use super::check::{Format, shell_word};
 use super::compose::{ComposeArgs, Given};
-use super::fuzz::{Inputs, stated, subjects};
+use super::fuzz::{Inputs, subjects};
 use super::includes::IncludedText;
+use super::inputs::InputArgs;
 use super::status::ExitStatus;
-use super::{StageName, translate};
+use super::translate;
 use base::diagnostic::Lang;
 use base::text::Shown as _;
 use disk::fresh;
 use engine::compare::{self, Compared, Pairing, Request};
 use engine::fuzz::Subject;
-use engine::suite::run::{DEFAULT_SEED, signal_name};
+use engine::suite::run::signal_name;
 use judge::profile::Profile;
 use lanes::{Lane, StandIn, Wanted, interrupt};
 use report::compare::{Summary, json, text};
@@ -48,21 +49,12 @@ pub struct CompareArgs {
     /// name for it; repeatable
     #[arg(long, value_name = "NAME")]
     pub function: Vec<String>,
-    /// Stage of both texts, where their endings do not say it or say another
-    #[arg(long, value_enum, value_name = "STAGE")]
-    pub stage: Option<StageName>,
-    /// Values that an input takes: `x=[0,1]`, `f.x=(0,inf)`, `n=normalised`, `m=rotation`; repeatable
-    #[arg(long, value_name = "INPUT=DOMAIN", allow_hyphen_values = true)]
-    pub domain: Vec<String>,
-    /// Value of a macro, or of an `override` constant of WGSL, in both texts; repeatable
-    #[arg(short = 'D', long, value_name = "NAME=VALUE", value_parser = translate::definition)]
-    pub define: Vec<(String, String)>,
-    /// The same in the second text alone
+    /// What is said of the files and their inputs
+    #[command(flatten)]
+    pub input: InputArgs,
+    /// Value of a macro, or of an `override` constant of WGSL, in the second text alone; repeatable
     #[arg(long, value_name = "NAME=VALUE", value_parser = translate::definition)]
     pub define_second: Vec<(String, String)>,
-    /// Folders that are searched for included files
-    #[arg(short = 'I', long = "include", value_name = "FOLDER")]
-    pub include: Vec<PathBuf>,
     /// What is stated about texts in WGSL that are parts of others.
     #[command(flatten)]
     pub compose: ComposeArgs,
@@ -76,9 +68,6 @@ pub struct CompareArgs {
     /// Samples of each pair
     #[arg(long, value_name = "N", default_value_t = SAMPLES, value_parser = clap::value_parser!(u64).range(1..))]
     pub samples: u64,
-    /// Seed of the inputs: the same seed gives the same inputs everywhere
-    #[arg(long, value_name = "S", default_value_t = DEFAULT_SEED)]
-    pub seed: u64,
     /// Compare only this case, as a report's `reproduce` line gives it; needs --function
     #[arg(long, value_name = "INPUTS", requires = "function")]
     pub case: Option<String>,
@@ -96,28 +85,28 @@ pub struct CompareArgs {
 /// # Errors
 /// When a text cannot be read, a name is unknown, a domain or profile cannot be read, no lane is available, or output fails.
 pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
-    let stage = args.stage.map(syntax::Stage::from);
-    let second_defines = [&args.define[..], &args.define_second[..]].concat();
-    let given = |defines| Given { folders: &args.include, defines, compose: Some(&args.compose), stage, entry: None };
+    let stage = args.input.stage();
+    let second_defines = [&args.input.define[..], &args.define_second[..]].concat();
+    let given = |defines| Given { defines, ..args.input.reading(Some(&args.compose), None) };
     let texts = [
-        version::text(&args.first, &given(&args.define), stage)?,
+        version::text(&args.first, &given(&args.input.define), stage)?,
         version::text(&args.second, &given(&second_defines), stage)?,
     ];
     for note in texts.iter().flat_map(IncludedText::notes) {
         writeln!(err, "note: {note}")?;
     }
-    let stated = stated(&args.domain)?;
+    let stated = args.input.domains()?;
     let profiles = args.profile.iter().map(|name| match profile::named(name)? {
         Some(profile) => Ok(profile),
         None => anyhow::bail!("--profile: a comparison needs bounds; `none` has none"),
     });
     let profiles = profiles.collect::<anyhow::Result<Vec<_>>>()?;
-    let sides = [made(&texts[0], &args.define, err)?, made(&texts[1], &second_defines, err)?];
+    let sides = [made(&texts[0], &args.input.define, err)?, made(&texts[1], &second_defines, err)?];
     let [Some(firsts), Some(seconds)] = &sides else { return Ok(ExitStatus::Findings) };
     let Pairing { pairs, unpaired } =
         compare::pairing([firsts, seconds], &args.function).map_err(anyhow::Error::msg)?;
     let mut summary =
-        Summary { texts: texts.each_ref().map(|t| t.name.clone()), seed: args.seed, ..Summary::default() };
+        Summary { texts: texts.each_ref().map(|t| t.name.clone()), seed: args.input.seed, ..Summary::default() };
     summary.unpaired = unpaired;
     let opened = Wanted { stand_in: StandIn::Beside, ..Wanted::named(&args.lane) }.open()?;
     let missing: Vec<String> = opened.missing.iter().map(|(name, error)| format!("lane `{name}`: {error}")).collect();
@@ -125,7 +114,7 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
     let lanes: Vec<&dyn Lane> = opened.lanes.iter().map(AsRef::as_ref).collect();
     let request = Request {
         samples: args.samples,
-        seed: args.seed,
+        seed: args.input.seed,
         case: args.case.clone(),
         profiles: profiles.iter().map(AsRef::as_ref).collect::<Vec<&Profile>>(),
         command: command(args),
@@ -189,13 +178,9 @@ fn page(folder: &Path, summary: &Summary) -> anyhow::Result<()> {
 /// The command line up to the function.
 fn command(args: &CompareArgs) -> String {
     let mut words = format!("shadercheck compare {} {}", shell_word(&args.first), shell_word(&args.second));
-    let mut add = |option: &str, value: &str| words = format!("{words} {option} {}", shell_word(value));
-    args.include.iter().for_each(|folder| add("-I", &folder.display().to_string()));
-    args.define.iter().for_each(|(name, value)| add("--define", &format!("{name}={value}")));
-    args.define_second.iter().for_each(|(name, value)| add("--define-second", &format!("{name}={value}")));
-    args.domain.iter().for_each(|domain| add("--domain", domain));
-    if let Some(stage) = args.stage {
-        add("--stage", &stage.word());
+    words += &args.input.words();
+    for (name, value) in &args.define_second {
+        words = format!("{words} --define-second {}", shell_word(&format!("{name}={value}")));
     }
     words + &args.compose.words()
 }

@@ -12,15 +12,14 @@ use clap::Args;
 use super::bar::Bar;
 use super::check::Format;
 use super::check::shell_word;
-use super::compose::{ComposeArgs, Given};
+use super::compose::ComposeArgs;
 use super::includes::{self, IncludedText};
-use crate::cli::StageName;
+use super::inputs::InputArgs;
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
 use base::diagnostic::{Diagnostic, Lang, Severity};
 use base::{did_you_mean, nearest};
 use engine::fuzz::{self, BadHint, Domain, FunctionReport, Request, Stated, Subject};
-use engine::suite::run::DEFAULT_SEED;
 use judge::profile::Promises;
 use lanes::{Lane, Stage, StandIn, Wanted, interrupt};
 
@@ -68,18 +67,9 @@ pub struct FuzzArgs {
     /// Only functions of this name; with the types of the parameters, one of several: `f(vec3, float)`
     #[arg(long, value_name = "NAME")]
     pub function: Vec<String>,
-    /// Stage of the files, where their endings do not say it or say another
-    #[arg(long, value_enum, value_name = "STAGE")]
-    pub stage: Option<StageName>,
-    /// Values that an input takes: `x=[0,1]`, `f.x=(0,inf)`, `n=normalised`, `m=rotation`; repeatable
-    #[arg(long, value_name = "INPUT=DOMAIN", allow_hyphen_values = true)]
-    pub domain: Vec<String>,
-    /// Value of a macro, or of an `override` constant of WGSL: `--define WIDTH=8`; repeatable
-    #[arg(short = 'D', long, value_name = "NAME=VALUE", value_parser = super::translate::definition)]
-    pub define: Vec<(String, String)>,
-    /// Folders that are searched for included files
-    #[arg(short = 'I', long = "include", value_name = "FOLDER")]
-    pub include: Vec<PathBuf>,
+    /// What is said of the files and their inputs
+    #[command(flatten)]
+    pub input: InputArgs,
     /// What is stated about parts of texts in WGSL
     #[command(flatten)]
     pub compose: ComposeArgs,
@@ -92,9 +82,6 @@ pub struct FuzzArgs {
     /// Samples of each function
     #[arg(long, value_name = "N", default_value_t = SAMPLES, value_parser = clap::value_parser!(u64).range(1..))]
     pub samples: u64,
-    /// Seed of the inputs: the same seed gives the same inputs everywhere
-    #[arg(long, value_name = "S", default_value_t = DEFAULT_SEED)]
-    pub seed: u64,
     /// Run only this case, as a report's `reproduce` line gives it; needs --function
     #[arg(long, value_name = "INPUTS", requires = "function")]
     pub case: Option<String>,
@@ -129,11 +116,9 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
         shard.is_none() || (args.case.is_none() && !args.write_suite),
         "--shard does a part of the functions; --case and --write-suite are for a run without it"
     );
-    let stated = stated(&args.domain)?;
-    let stage = args.stage.map(syntax::Stage::from);
-    let (folders, defines, compose) = (&args.include[..], &args.define[..], Some(&args.compose));
-    let entry = args.function.first().map(String::as_str);
-    let reading = Given { folders, defines, compose, entry, stage };
+    let stated = args.input.domains()?;
+    let stage = args.input.stage();
+    let reading = args.input.reading(Some(&args.compose), args.function.first().map(String::as_str));
     let sources: Vec<IncludedText> = args
         .files
         .iter()
@@ -147,7 +132,7 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     if let Some(printed) = printed.filter(|_| args.write_suite) {
         anyhow::bail!("--write-suite writes a suite beside a shader file, and {} stands in another file", printed.name);
     }
-    let mut summary = Summary { seed: args.seed, ..Summary::default() };
+    let mut summary = Summary { seed: args.input.seed, ..Summary::default() };
     let lanes = open_lanes(args, &mut summary)?;
     let lanes: Vec<(&dyn Lane, Promises)> =
         lanes.iter().map(|lane| (lane.as_ref(), Promises::of_lane(lane.description()))).collect();
@@ -156,7 +141,7 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     if let Some(shard) = shard {
         let mut files = Vec::new();
         for source in &sources {
-            let (errors, subjects) = subjects((&args.function, &args.define), source, &mut known)?;
+            let (errors, subjects) = subjects((&args.function, &args.input.define), source, &mut known)?;
             for error in &errors {
                 err.write_all(report::diagnostics::text(error, Lang::En, false).as_bytes())?;
             }
@@ -263,7 +248,7 @@ fn one_file(
         progress.suspend(|| writeln!(printed.out, "{}", source.name))?;
     }
     let subjects;
-    (report.errors, subjects) = self::subjects((&args.function, &args.define), source, known)?;
+    (report.errors, subjects) = self::subjects((&args.function, &args.input.define), source, known)?;
     for subject in &subjects {
         let domain = inputs.domain(subject)?;
         let function = one_function(args, source, subject, &domain, lanes, progress)?;
@@ -276,15 +261,6 @@ fn one_file(
         }
     }
     Ok(report)
-}
-
-/// The domains of the command line.
-pub(super) fn stated(options: &[String]) -> anyhow::Result<Vec<Stated>> {
-    let mut stated = Vec::new();
-    for text in options {
-        stated.extend(fuzz::option(text).map_err(|why| anyhow::anyhow!("--domain `{text}`: {why}"))?);
-    }
-    Ok(stated)
 }
 
 /// What is wrong with a file, or else the functions of it that are to be run.
@@ -354,7 +330,7 @@ fn one_function(
     progress.start(&subject.label, "all lanes", Stage::Compute, args.samples);
     let request = Request {
         samples: args.samples,
-        seed: args.seed,
+        seed: args.input.seed,
         case: args.case.clone(),
         notes: args.notes,
         hostile: args.hostile,
@@ -366,18 +342,10 @@ fn one_function(
 /// The command line up to the function.
 fn command(args: &FuzzArgs, source: &IncludedText) -> String {
     let mut words = format!("shadercheck fuzz {}", shell_word(&source.given));
-    for folder in &args.include {
-        words = format!("{words} -I {}", shell_word(&folder.display().to_string()));
-    }
+    words += &args.input.words();
     words += &args.compose.words();
-    for (name, value) in args.define.iter().chain(source.assumed()) {
+    for (name, value) in source.assumed() {
         words = format!("{words} --define {}", shell_word(&format!("{name}={value}")));
-    }
-    if let Some(stage) = args.stage {
-        words = format!("{words} --stage {}", stage.word());
-    }
-    for domain in &args.domain {
-        words = format!("{words} --domain {}", shell_word(domain));
     }
     if args.hostile {
         words.push_str(" --hostile");

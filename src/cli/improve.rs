@@ -7,18 +7,18 @@ use std::time::Duration;
 use anyhow::Context as _;
 use clap::Args;
 
-use super::StageName;
 use super::check::{Format, profile, shell_word};
-use super::compose::{ComposeArgs, Given};
-use super::fuzz::{Inputs, all_known, stated, subjects};
+use super::compose::ComposeArgs;
+use super::fuzz::{Inputs, all_known, subjects};
 use super::includes::{self, IncludedText};
+use super::inputs::InputArgs;
 use super::lint::{diff, write};
 use super::status::ExitStatus;
 use super::translate;
 use base::diagnostic::Lang;
 use base::text::{EditList, Shown as _, SourceFile};
+use engine::fuzz::Subject;
 use engine::improve::{self, Request};
-use engine::suite::run::DEFAULT_SEED;
 use judge::profile::Profile;
 use lanes::{Lane, StandIn, Wanted, interrupt};
 use lint::fix::FixedFile;
@@ -27,9 +27,6 @@ use report::improve::{FileReport, Summary, json, text};
 
 /// Points of a proof, when none are asked for.
 const SAMPLES: u64 = 1 << 20;
-
-/// Nodes of the graph of an expression.
-const NODES: usize = 6000;
 
 /// Arguments of `shadercheck improve`.
 #[derive(Args, Clone, Debug)]
@@ -49,24 +46,15 @@ or by --domain. The range of an input of an expression must have both ends.
 
 Exit status: 0 nothing better was found, or it was written; 1 there are proposals, or a file does not compile; 2 usage.")]
 pub struct ImproveArgs {
-    /// Shader files in GLSL; `FILE:LINE` for the expressions at a line alone, however little they lose
+    /// Shader files in GLSL or WGSL; `FILE:LINE` for the expressions at a line alone, however little they lose
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
     /// Only functions of this name; with the types of the parameters, one of several: `f(vec3, float)`
     #[arg(long, value_name = "NAME")]
     pub function: Vec<String>,
-    /// Stage of the files, where their endings do not say it or say another
-    #[arg(long, value_enum, value_name = "STAGE")]
-    pub stage: Option<StageName>,
-    /// Values that an input takes: `x=[0,1]`, `f.x=[1,8]`, `n=normalised`; repeatable
-    #[arg(long, value_name = "INPUT=DOMAIN", allow_hyphen_values = true)]
-    pub domain: Vec<String>,
-    /// Value of a macro: `--define WIDTH=8`; repeatable
-    #[arg(short = 'D', long, value_name = "NAME=VALUE", value_parser = translate::definition)]
-    pub define: Vec<(String, String)>,
-    /// Folders that are searched for included files
-    #[arg(short = 'I', long = "include", value_name = "FOLDER")]
-    pub include: Vec<PathBuf>,
+    /// What is said of the files and their inputs
+    #[command(flatten)]
+    pub input: InputArgs,
     /// Lanes that run both formulas
     #[arg(long, value_name = "LANE", value_delimiter = ',', default_value = "embedded")]
     pub lane: Vec<String>,
@@ -76,9 +64,6 @@ pub struct ImproveArgs {
     /// Points at which a proposal is proved
     #[arg(long, value_name = "N", default_value_t = SAMPLES, value_parser = clap::value_parser!(u64).range(1..))]
     pub samples: u64,
-    /// Seed of the inputs: the same seed gives the same inputs everywhere
-    #[arg(long, value_name = "S", default_value_t = DEFAULT_SEED)]
-    pub seed: u64,
     /// Write the first proposal of each expression into its file
     #[arg(long)]
     pub fix: bool,
@@ -90,11 +75,11 @@ pub struct ImproveArgs {
 /// Runs the command: the result goes to `out`, complaints to `err`.
 ///
 /// # Errors
-/// When a file cannot be read or written, is no GLSL, a name is unknown, a range has no end, a lane is not available, or
+/// When a file cannot be read or written, is neither GLSL nor WGSL, a name is unknown, a range has no end, a lane is not available, or
 /// output fails.
 pub fn run(args: &ImproveArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
-    let stage = args.stage.map(syntax::Stage::from);
-    let stated = stated(&args.domain)?;
+    let stage = args.input.stage();
+    let stated = args.input.domains()?;
     let Some(profile) = profile::named(&args.profile)? else {
         anyhow::bail!("--profile: a proposal needs bounds; `none` has none");
     };
@@ -104,18 +89,16 @@ pub fn run(args: &ImproveArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
     let lanes: Vec<&dyn Lane> = opened.lanes.iter().map(AsRef::as_ref).collect();
     let mut inputs = Inputs::new(&stated);
     let mut known = Vec::new();
-    let mut summary = Summary { seed: args.seed, profile: profile.name.clone(), files: Vec::new() };
+    let mut summary = Summary { seed: args.input.seed, profile: profile.name.clone(), files: Vec::new() };
     let mut broken = false;
     for given in &args.files {
         let (path, line) = at_line(given);
         let compose = ComposeArgs::default();
-        let reading =
-            Given { folders: &args.include, defines: &args.define, compose: Some(&compose), entry: None, stage };
-        let mut source = includes::read(&path, &reading)?;
+        let mut source = includes::read(&path, &args.input.reading(Some(&compose), None))?;
         source.stage = stage.unwrap_or(source.stage);
         anyhow::ensure!(
-            Written::of(&source.file) == Written::Glsl,
-            "`{}`: expressions of GLSL are improved; translate it, or improve the formula in a file of its own",
+            matches!(Written::of(&source.file), Written::Glsl | Written::Wgsl),
+            "`{}`: expressions of GLSL and WGSL are improved; translate it, or improve the formula in a file of its own",
             path.shown()
         );
         let run = Run { args, source: &source, line, profile: &profile, lanes: &lanes };
@@ -171,32 +154,39 @@ impl Run<'_> {
         err: &mut dyn Write,
     ) -> anyhow::Result<Option<FileReport>> {
         let own = translate::read(path)?;
-        let (errors, subjects) = subjects((&self.args.function, &self.args.define), self.source, known)?;
+        let (errors, subjects) = subjects((&self.args.function, &self.args.input.define), self.source, known)?;
         for error in &errors {
             err.write_all(report::diagnostics::text(error, Lang::En, false).as_bytes())?;
         }
         if !errors.is_empty() {
             return Ok(None);
         }
-        let parsed = self.source.parsed(&self.args.define);
+        let module = if Written::of(&self.source.file) == Written::Wgsl { self.source.module().ok() } else { None };
+        let parsed = module.is_none().then(|| self.source.parsed(&self.args.input.define).shader);
+        let tree = module.as_ref().and_then(|module| module.tree()).or(parsed.as_ref());
+        let Some(shader) = tree else { return Ok(None) };
         let request = Request {
             samples: self.args.samples,
-            seed: self.args.seed,
+            seed: self.args.input.seed,
             profile: self.profile,
             line: self.line,
-            nodes: NODES,
+            nodes: improve::NODES,
             time: Duration::from_secs(4),
             command: format!("shadercheck improve {}", shell_word(&self.source.given)),
         };
         let mut report = FileReport { file: self.source.name.clone(), ..FileReport::default() };
+        if let Some(why) = improve::refused(shader) {
+            report.not_run.extend(subjects.iter().map(|subject| (subject.label.clone(), why.to_owned())));
+            return Ok(Some(report));
+        }
         for subject in &subjects {
             if let Err(why) = &subject.ready {
                 report.not_run.push((subject.label.clone(), why.clone()));
                 continue;
             }
             let domain = inputs.domain(subject)?;
-            let again = |file: &SourceFile| self.source.changed(file, &self.reading());
-            let found = improve::run((&parsed, &own, subject), &domain, self.lanes, &request, &again);
+            let again = |file: &SourceFile| self.changed(file, subject);
+            let found = improve::run((shader, &own, subject), &domain, self.lanes, &request, &again);
             report.expressions.extend(found.map_err(|why| anyhow::anyhow!("{}: {why}", subject.at))?);
             if interrupt::asked() {
                 break;
@@ -206,10 +196,16 @@ impl Run<'_> {
         Ok(Some(report))
     }
 
-    /// How a changed file is read.
-    fn reading(&self) -> Given<'_> {
-        let stage = self.args.stage.map(syntax::Stage::from);
-        Given { folders: &self.args.include, defines: &self.args.define, compose: None, entry: None, stage }
+    /// The function in a changed file.
+    fn changed(&self, file: &SourceFile, subject: &Subject) -> Result<Vec<Subject>, String> {
+        let text =
+            self.source.changed(file, &self.args.input.reading(None, None)).map_err(|error| error.to_string())?;
+        let wanted = [subject.name.clone()];
+        let (errors, subjects) =
+            subjects((&wanted, &self.args.input.define), &text, &mut Vec::new()).map_err(|error| error.to_string())?;
+        errors
+            .first()
+            .map_or(Ok(subjects), |error| Err(format!("the changed text does not compile: {}", error.message)))
     }
 
     /// The patch of the first proposals, written where that is asked for.

@@ -117,11 +117,11 @@ impl IncludedText {
     }
 
     /// A changed text in the place of the author's file, read in the way of the first.
-    pub fn changed(&self, file: &SourceFile, given: &Given<'_>) -> Parsed {
-        match with_includes(file, &self.path, given) {
-            Ok(text) => Self { stage: self.stage, ..text }.parsed(given.defines),
-            Err(_) => Shader::parse_with(file, self.stage, given.defines),
-        }
+    ///
+    /// # Errors
+    /// As of [`with_includes`].
+    pub fn changed(&self, file: &SourceFile, given: &Given<'_>) -> anyhow::Result<Self> {
+        Ok(Self { stage: self.stage, ..with_includes(file, &self.path, given)? })
     }
 
     /// The same between the texts that its host puts around it.

@@ -24,6 +24,8 @@ pub mod improve;
 mod includes;
 #[cfg(feature = "run")]
 pub mod init;
+#[cfg(feature = "run")]
+pub mod inputs;
 #[cfg(unix)]
 mod interrupt;
 #[cfg(feature = "run")]

@@ -5,23 +5,23 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::StageName;
 use super::check::Format;
-use super::compose::{ComposeArgs, Given};
-use super::fuzz::{Inputs, all_known, stated, subjects};
+use super::compose::ComposeArgs;
+use super::fuzz::{Inputs, all_known, subjects};
 use super::includes;
+use super::inputs::InputArgs;
 use super::lint::{diff, write};
 use super::status::ExitStatus;
 use super::translate;
 use base::diagnostic::Lang;
 use base::text::{Shown as _, SourceFile};
 use engine::fuzz::Subject;
-use engine::suite::run::DEFAULT_SEED;
 use engine::tune::{self, Request, Stated, Tolerance};
 use lanes::interrupt;
 use lint::fix::FixedFile;
 use program::Written;
 use report::tune::{FileReport, Summary, json, text};
+use syntax::Shader;
 
 /// Samples of a proof, when none are asked for.
 const SAMPLES: u64 = 1 << 14;
@@ -51,12 +51,9 @@ pub struct TuneArgs {
     /// The function whose outputs count; `main` without it
     #[arg(long, value_name = "NAME")]
     pub entry: Option<String>,
-    /// Stage of the files, where their endings do not say it or say another
-    #[arg(long, value_enum, value_name = "STAGE")]
-    pub stage: Option<StageName>,
-    /// Values that an input takes: `x=[0,1]`, `f.x=[1,8]`, `n=normalised`; repeatable
-    #[arg(long, value_name = "INPUT=DOMAIN", allow_hyphen_values = true)]
-    pub domain: Vec<String>,
+    /// What is said of the files and their inputs
+    #[command(flatten)]
+    pub input: InputArgs,
     /// What outputs may be off by: `0.001`, `1/255`, or `v_uv=0.001` for one of them; repeatable
     #[arg(long, value_name = "[OUTPUT=]ERROR")]
     pub error: Vec<String>,
@@ -70,18 +67,9 @@ pub struct TuneArgs {
     /// Width and height of textures: coordinates of 1024 texels and more stay `highp`
     #[arg(long, value_name = "TEXELS", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub texture_size: u32,
-    /// Value of a macro: `--define WIDTH=8`; repeatable
-    #[arg(short = 'D', long, value_name = "NAME=VALUE", value_parser = translate::definition)]
-    pub define: Vec<(String, String)>,
-    /// Folders that are searched for included files
-    #[arg(short = 'I', long = "include", value_name = "FOLDER")]
-    pub include: Vec<PathBuf>,
     /// Samples of the proof
     #[arg(long, value_name = "N", default_value_t = SAMPLES, value_parser = clap::value_parser!(u64).range(1..))]
     pub samples: u64,
-    /// Seed of the inputs and of the devices: the same seed gives the same result everywhere
-    #[arg(long, value_name = "S", default_value_t = DEFAULT_SEED)]
-    pub seed: u64,
     /// Write the precisions into the files
     #[arg(long)]
     pub fix: bool,
@@ -136,19 +124,17 @@ fn tolerances(args: &TuneArgs) -> anyhow::Result<Stated> {
 /// When a file cannot be read or written, is no GLSL, has nothing to tune, a name is unknown, a range has no end, an output
 /// has no format, or output fails.
 pub fn run(args: &TuneArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
-    let stage = args.stage.map(syntax::Stage::from);
-    let domains = stated(&args.domain)?;
+    let stage = args.input.stage();
+    let domains = args.input.domains()?;
     let request =
-        Request { samples: args.samples, seed: args.seed, stated: tolerances(args)?, texels: args.texture_size };
+        Request { samples: args.samples, seed: args.input.seed, stated: tolerances(args)?, texels: args.texture_size };
     let mut inputs = Inputs::new(&domains);
-    let mut summary = Summary { seed: args.seed, files: Vec::new() };
+    let mut summary = Summary { seed: args.input.seed, files: Vec::new() };
     let mut broken = false;
     let wanted: Vec<String> = args.entry.iter().cloned().collect();
     for path in &args.files {
         let compose = ComposeArgs::default();
-        let reading =
-            Given { folders: &args.include, defines: &args.define, compose: Some(&compose), entry: None, stage };
-        let mut source = includes::read(path, &reading)?;
+        let mut source = includes::read(path, &args.input.reading(Some(&compose), None))?;
         source.stage = stage.unwrap_or(source.stage);
         anyhow::ensure!(
             Written::of(&source.file) == Written::Glsl,
@@ -158,7 +144,7 @@ pub fn run(args: &TuneArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
         );
         let own = translate::read(path)?;
         let mut known = Vec::new();
-        let (errors, subjects) = subjects((&wanted, &args.define), &source, &mut known)?;
+        let (errors, subjects) = subjects((&wanted, &args.input.define), &source, &mut known)?;
         for error in &errors {
             err.write_all(report::diagnostics::text(error, Lang::En, false).as_bytes())?;
         }
@@ -170,8 +156,11 @@ pub fn run(args: &TuneArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
         let subject =
             chosen(&subjects, args.entry.as_deref()).map_err(|why| anyhow::anyhow!("`{}`: {why}", path.shown()))?;
         let domain = inputs.domain(subject)?;
-        let parsed = source.parsed(&args.define);
-        let again = |file: &SourceFile| source.changed(file, &Given { compose: None, ..reading });
+        let parsed = source.parsed(&args.input.define);
+        let again = |file: &SourceFile| match source.changed(file, &args.input.reading(None, None)) {
+            Ok(changed) => changed.parsed(&args.input.define),
+            Err(_) => Shader::parse_with(file, source.stage, &args.input.define),
+        };
         let report = tune::run((&parsed, &own, subject), &domain, &request, &again)
             .map_err(|why| anyhow::anyhow!("{}: {why}", subject.at))?;
         let mut file = FileReport { file: source.name.clone(), report, patch: None, written: false };

@@ -25,6 +25,12 @@ impl Points {
         Self { leaves, count: points.len() }
     }
 
+    /// Points by the values of their leaves, as many for each.
+    pub fn of_columns(leaves: Vec<Vec<f32>>) -> Self {
+        let count = leaves.first().map_or(0, Vec::len);
+        Self { leaves, count }
+    }
+
     /// How many there are.
     pub fn len(&self) -> usize {
         self.count

@@ -11,6 +11,7 @@
 mod error;
 mod extract;
 mod graph;
+mod lift;
 mod normal;
 mod proof;
 mod real;
@@ -29,7 +30,7 @@ pub use error::{WORST, bits};
 pub use graph::Points;
 pub use proof::{Proof, prove};
 pub use regimes::Split;
-pub use search::{Candidate, Improved, Settings, cost, search};
+pub use search::{Candidate, Improved, Settings, cost, measure, search};
 pub use single::{Losses, folded, reference, run};
-pub use term::{BINARY, Binary, Constant, Node, Term, UNARY, Unary, parse};
-pub use write::{Dialect, written};
+pub use term::{BINARY, Binary, Constant, Node, Term, UNARY, Unary, parse, rooted};
+pub use write::{Component, Dialect, LeafText, written};

@@ -3,9 +3,9 @@
 
 use std::collections::BTreeMap;
 
-use egg::{Id, Language as _};
+use egg::Id;
 
-use crate::term::{Binary, Node, Term, Unary};
+use crate::term::{Binary, Node, Term, Unary, rooted};
 
 /// Products of polynomials have no more terms than that.
 const TERMS: usize = 32;
@@ -48,7 +48,7 @@ pub fn of(term: &Term) -> Option<Term> {
         None => above,
         Some(below) => nodes.add(Node::Binary(Binary::Div, [above, below])),
     };
-    Some(nodes[root].build_recexpr(|id| nodes[id]))
+    Some(rooted(&nodes, root))
 }
 
 impl Atoms<'_> {

@@ -7,7 +7,7 @@ use egg::{AstSize, EGraph, Extractor, Id, Rewrite, Runner};
 
 use crate::extract::{extract, operations};
 use crate::graph::{Graph, Points, Reals, values};
-use crate::real::{Real, is_finite, same};
+use crate::real::{Real, is_finite, near, same};
 use crate::regimes::{self, Split};
 use crate::single::{Losses, folded, run};
 use crate::term::{Binary, Node, Term, Unary};
@@ -15,6 +15,9 @@ use crate::{normal, rules, series};
 
 /// Bits in the mean by which a proposal has to be better.
 const LEAST_GAIN: f64 = 0.05;
+
+/// What binary32 has no number for, between numbers of many bits.
+const NOTHING: f64 = 1e-46;
 
 /// Points at which classes are computed.
 const LOOKED_AT: usize = 32;
@@ -83,12 +86,48 @@ pub struct Improved {
     pub conflicts: usize,
 }
 
-/// Looks for terms that lose fewer bits in the mean of the points.
+/// Measures terms that are known beforehand against `meant`, which the original stands for: with vectors of length 1, say,
+/// that binary32 has rounded. Nothing is searched for.
 ///
 /// # Errors
-/// When the original has a value at no point, or a rule cannot be read.
-pub fn search(term: &Term, points: &Points, settings: &Settings) -> Result<Improved, String> {
-    let known = values(term, points)?;
+/// When the original has a value at no point.
+pub fn measure(original: &Term, meant: &Term, others: &[Term], points: &Points) -> Result<Improved, String> {
+    let Defined { mut found, exact, right } = defined(original, meant, points)?;
+    let mut all = vec![found.original.clone()];
+    for term in others {
+        let reals = values(term, &found.points)?;
+        // An arc cosine beside 1 has half of the digits of its argument.
+        let alike = |(a, b): (&Real, &Real)| !is_finite(a) || same(a, b) || (near(a) - near(b)).abs() <= NOTHING;
+        if reals.last().is_some_and(|root| root.reals.iter().zip(&right).all(alike)) {
+            all.push(Losses::of(&run(&folded(term), &found.points), &exact));
+            found.terms.push(term.clone());
+        } else {
+            found.unequal += 1;
+        }
+    }
+    let mut order: Vec<usize> = (1..all.len()).collect();
+    order.sort_by(|a, b| all[*a].mean().total_cmp(&all[*b].mean()));
+    let better = order.into_iter().filter(|k| all[0].mean() - all[*k].mean() >= LEAST_GAIN);
+    found.candidates = better
+        .map(|k| Candidate {
+            split: Split::Term(k),
+            losses: all[k].clone(),
+            operations: cost(&folded(&found.terms[k])),
+        })
+        .collect();
+    Ok(found)
+}
+
+/// The points at which a term has a value.
+struct Defined {
+    found: Improved,
+    /// What is meant there, in binary64 and in many bits.
+    exact: Vec<f64>,
+    right: Vec<Real>,
+}
+
+fn defined(original: &Term, meant: &Term, points: &Points) -> Result<Defined, String> {
+    let known = values(meant, points)?;
     let root = known.last().ok_or("the expression is empty")?;
     let fits = |k: &usize| is_finite(&root.reals[*k]) && root.near[*k].abs() <= f64::from(f32::MAX);
     let defined: Vec<usize> = (0..points.len()).filter(fits).collect();
@@ -99,18 +138,27 @@ pub fn search(term: &Term, points: &Points, settings: &Settings) -> Result<Impro
     let points = points.chosen(&defined);
     let exact: Vec<f64> = defined.iter().map(|k| root.near[*k]).collect();
     let right: Vec<_> = defined.iter().map(|k| root.reals[*k].clone()).collect();
-    let losses = |term: &Term| Losses::of(&run(&folded(term), &points), &exact);
-    let original = losses(term);
-    let mut found = Improved {
+    let found = Improved {
         without_value,
-        operations: cost(&folded(term)),
-        terms: vec![term.clone()],
+        operations: cost(&folded(original)),
+        terms: vec![original.clone()],
         candidates: Vec::new(),
         unequal: 0,
         conflicts: 0,
-        original: original.clone(),
-        points: points.clone(),
+        original: Losses::of(&run(&folded(original), &points), &exact),
+        points,
     };
+    Ok(Defined { found, exact, right })
+}
+
+/// Looks for terms that lose fewer bits in the mean of the points.
+///
+/// # Errors
+/// When the original has a value at no point, or a rule cannot be read.
+pub fn search(term: &Term, points: &Points, settings: &Settings) -> Result<Improved, String> {
+    let Defined { mut found, exact, right } = defined(term, term, points)?;
+    let (points, original) = (found.points.clone(), found.original.clone());
+    let losses = |term: &Term| Losses::of(&run(&folded(term), &points), &exact);
     let which = looked_at(&points, &original);
     let rewrites = settings.rules.iter().map(rules::Rule::rewrite).collect::<Result<Vec<_>, _>>()?;
     let (graph, id) = saturated(term, &points.chosen(&which), &rewrites, settings)?;

@@ -4,7 +4,7 @@ use egg::{Id, Language};
 
 use crate::error::WORST;
 use crate::graph::{Points, values};
-use crate::term::{Binary, Node, Term, Unary};
+use crate::term::{Binary, Node, Term, Unary, rooted};
 
 /// What a term is in real numbers at each point, rounded to binary64.
 ///
@@ -177,7 +177,7 @@ pub fn folded(term: &Term) -> Term {
 /// A term without the nodes that its root does not need.
 fn reachable(term: &Term) -> Term {
     let Some(root) = term.len().checked_sub(1) else { return Term::default() };
-    term[Id::from(root)].build_recexpr(|id| term[id])
+    rooted(term, Id::from(root))
 }
 
 fn constant(node: &Node, of: &[f64]) -> Option<f64> {

@@ -216,6 +216,11 @@ impl FromOp for Node {
     }
 }
 
+/// The part of a term that ends at one of its nodes, as a term of its own.
+pub fn rooted(nodes: &Term, root: Id) -> Term {
+    nodes[root].build_recexpr(|id| nodes[id])
+}
+
 /// Reads a term as rules write it: `(- 1 (cos x0))`.
 ///
 /// # Errors

@@ -6,7 +6,7 @@ use crate::rules::{Condition, Rule, all};
 use crate::search::{Settings, search};
 use crate::single::{Losses, folded, run};
 use crate::term::{Node, Term, parse};
-use crate::{Dialect, Proof, Split, prove, written};
+use crate::{Component, Dialect, LeafText, Proof, Split, measure, prove, written};
 
 /// Points of which each has some numbers of many sizes, the same everywhere.
 fn numbers(width: usize, count: usize, range: [f32; 2]) -> Points {
@@ -144,7 +144,7 @@ fn improved(term: &str, range: [f32; 2]) -> (f64, f64, String) {
     let best = found.candidates.first().unwrap_or_else(|| panic!("nothing for {term}"));
     let proof = proof_of(&term, &found, &best.split, range);
     assert!(proof.holds(), "{term}: {proof:?}");
-    let leaves = ["x".to_owned(), "y".to_owned()];
+    let leaves = ["x".to_owned().into(), "y".to_owned().into()];
     (best.losses.mean(), found.original.mean(), written(&best.split, &found.terms, &leaves, Dialect::Glsl))
 }
 
@@ -187,7 +187,7 @@ fn a_length_does_not_overflow() {
 
 #[test]
 fn terms_are_written_as_they_are_computed() {
-    let leaves = ["a + b".to_owned(), "v.x".to_owned()];
+    let leaves = ["a + b".to_owned().into(), "v.x".to_owned().into()];
     let of = |text: &str, dialect| written(&Split::Term(0), &[parse(text).unwrap()], &leaves, dialect);
     let glsl = |text| of(text, Dialect::Glsl);
     assert_eq!(glsl("(* 2 (- x0 (- x1 1)))"), "2.0 * ((a + b) - (v.x - 1.0))");
@@ -216,4 +216,49 @@ fn losses_count_numbers_between() {
     let term = folded(&parse("(* x0 (* 2 pi))").unwrap());
     assert_eq!((term.len(), run(&term, &Points::new(&[vec![1.0]]))), (3, vec![std::f32::consts::TAU]));
     assert!(parse("(hypot x0 x1)").is_err() && matches!(parse("pi").unwrap()[0.into()], Node::Pi));
+}
+
+#[test]
+fn components_are_written_as_their_vector() {
+    let component = |vector: &str, index: usize| LeafText {
+        text: format!("{vector}.{}", ["x", "y", "z"][index]),
+        of: Some(Component { vector: vector.to_owned(), index, count: 3 }),
+    };
+    let leaves: Vec<LeafText> = ["a", "b - c"].into_iter().flat_map(|v| (0..3).map(move |k| component(v, k))).collect();
+    let of = |text: &str| written(&Split::Term(0), &[parse(text).unwrap()], &leaves, Dialect::Glsl);
+    assert_eq!(of("(+ (+ (* x0 x3) (* x1 x4)) (* x2 x5))"), "dot(a, b - c)");
+    assert_eq!(of("(sqrt (+ (+ (* x0 x0) (* x1 x1)) (* x2 x2)))"), "length(a)");
+    let scaled = "(sqrt (+ (+ (* (/ x0 2) (/ x0 2)) (* (/ x1 2) (/ x1 2))) (* (/ x2 2) (/ x2 2))))";
+    assert_eq!(of(scaled), "length(a / 2.0)");
+    let cross = ["(- (* x1 x5) (* x2 x4))", "(- (* x2 x3) (* x0 x5))", "(- (* x0 x4) (* x1 x3))"];
+    let [x, y, z] = cross;
+    assert_eq!(of(&format!("(sqrt (+ (+ (* {x} {x}) (* {y} {y})) (* {z} {z})))")), "length(cross(a, b - c))");
+    // Not all components, another order, another sign: as they stand.
+    let leaves = ["a.x", "a.y"].map(|text| LeafText { text: text.to_owned(), of: None });
+    let plain = |text: &str| written(&Split::Term(0), &[parse(text).unwrap()], &leaves, Dialect::Glsl);
+    assert_eq!(plain("(+ (* x0 x0) (* x1 x1))"), "a.x * a.x + a.y * a.y");
+    assert!(!of("(+ (* x0 x3) (* x1 x4))").contains("dot") && !of("(+ (* x1 x0) (* x0 x1))").contains("dot"));
+}
+
+#[test]
+fn alternatives_are_measured_against_what_is_meant() {
+    // An angle between unit vectors of the plane, whose components binary32 rounds.
+    let points: Vec<Vec<f32>> = (1..200)
+        .map(|k| {
+            let (a, b) = (0.3 + 0.001 * f64::from(k), 0.3 + 0.001 * f64::from(k) + 1e-4);
+            [a.cos(), a.sin(), b.cos(), b.sin()].map(|x| x as f32).to_vec()
+        })
+        .collect();
+    let points = Points::new(&points);
+    let own = parse("(acos (+ (* x0 x2) (* x1 x3)))").unwrap();
+    let unit = |x: &str, y: &str, k: &str| format!("(/ {k} (sqrt (+ (* {x} {x}) (* {y} {y}))))");
+    let (a, b) = (["x0", "x1"].map(|k| unit("x0", "x1", k)), ["x2", "x3"].map(|k| unit("x2", "x3", k)));
+    let meant = parse(&format!("(acos (+ (* {} {}) (* {} {})))", a[0], b[0], a[1], b[1])).unwrap();
+    let angle = parse("(atan2 (abs (- (* x0 x3) (* x1 x2))) (+ (* x0 x2) (* x1 x3)))").unwrap();
+    let wrong = parse("(atan2 (- (* x0 x3) (* x1 x2)) (- (* x0 x2) (* x1 x3)))").unwrap();
+    let found = measure(&own, &meant, &[angle, wrong], &points).unwrap();
+    assert_eq!((found.candidates.len(), found.unequal), (1, 1));
+    let (before, after) = (found.original.mean(), found.candidates[0].losses.mean());
+    assert!(before > 8.0 && after < before - 6.0, "{before} {after}");
+    assert!(prove(&meant, &found.candidates[0].split, &found.terms, &points).unwrap().holds());
 }

@@ -2,9 +2,36 @@
 
 use egg::Id;
 
+use crate::lift;
 use crate::regimes::Split;
 use crate::single::folded;
 use crate::term::{Binary, Node, Term, Unary};
+
+/// An input of a term, as it is written.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LeafText {
+    /// Its text.
+    pub text: String,
+    /// The vector that it is a component of.
+    pub of: Option<Component>,
+}
+
+/// A component of a vector.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Component {
+    /// The text of the vector.
+    pub vector: String,
+    /// Which component, from 0.
+    pub index: usize,
+    /// How many there are.
+    pub count: usize,
+}
+
+impl From<String> for LeafText {
+    fn from(text: String) -> Self {
+        Self { text, of: None }
+    }
+}
 
 /// The language of the text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,7 +44,7 @@ pub enum Dialect {
 
 /// How tightly an operator binds.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Level {
+pub(crate) enum Level {
     Sum,
     Product,
     Sign,
@@ -25,12 +52,12 @@ enum Level {
 }
 
 /// A choice of terms as an expression, where `leaves` are the texts of the inputs. A leaf that is no name, call or part of
-/// one is put in parentheses.
-pub fn written(split: &Split, terms: &[Term], leaves: &[String], dialect: Dialect) -> String {
+/// one is put in parentheses. What is done to all components of a vector is written for the vector.
+pub fn written(split: &Split, terms: &[Term], leaves: &[LeafText], dialect: Dialect) -> String {
     match split {
         Split::Term(k) => text(&folded(&terms[*k]), leaves, dialect),
         Split::At { leaf, absolute, threshold, below, above } => {
-            let leaf = wrapped(&leaves[*leaf as usize]);
+            let leaf = wrapped(&leaves[*leaf as usize].text);
             let key = if *absolute { format!("abs({})", bare(&leaf)) } else { leaf };
             let number = number(f64::from(*threshold));
             let side = |side: &Split| match side {
@@ -48,25 +75,28 @@ pub fn written(split: &Split, terms: &[Term], leaves: &[String], dialect: Dialec
     }
 }
 
-fn text(term: &Term, leaves: &[String], dialect: Dialect) -> String {
+fn text(term: &Term, leaves: &[LeafText], dialect: Dialect) -> String {
     match term.len().checked_sub(1) {
         Some(root) => Writer { term, leaves, dialect }.node(Id::from(root)).0,
         None => String::new(),
     }
 }
 
-struct Writer<'a> {
-    term: &'a Term,
-    leaves: &'a [String],
+pub(crate) struct Writer<'a> {
+    pub(crate) term: &'a Term,
+    pub(crate) leaves: &'a [LeafText],
     dialect: Dialect,
 }
 
 impl Writer<'_> {
-    fn node(&self, id: Id) -> (String, Level) {
+    pub(crate) fn node(&self, id: Id) -> (String, Level) {
+        if let Some(text) = lift::reduction(self, id) {
+            return (text, Level::Whole);
+        }
         match self.term[id] {
             Node::Number(c) => (number(c.value()), if c.value() < 0.0 { Level::Sign } else { Level::Whole }),
             Node::Pi => (number(std::f64::consts::PI), Level::Whole),
-            Node::Leaf(k) => (wrapped(&self.leaves[k as usize]), Level::Whole),
+            Node::Leaf(k) => (wrapped(&self.leaves[k as usize].text), Level::Whole),
             Node::Unary(Unary::Neg, x) => (format!("-{}", self.at_least(x, Level::Whole)), Level::Sign),
             Node::Unary(f, x) => (self.call(f, &self.node(x).0), Level::Whole),
             Node::Binary(op, [a, b]) => {
@@ -87,15 +117,13 @@ impl Writer<'_> {
                     }
                 };
                 // The order of operations is the one that was measured.
-                let above = if level == Level::Sum { Level::Product } else { Level::Sign };
-                (format!("{} {sign} {}", self.at_least(a, level), self.at_least(b, above)), level)
+                (joined(self.node(a), sign, self.node(b), level), level)
             }
         }
     }
 
     fn at_least(&self, id: Id, least: Level) -> String {
-        let (text, level) = self.node(id);
-        if level < least { format!("({text})") } else { text }
+        at_least(self.node(id), least)
     }
 
     fn call(&self, f: Unary, x: &str) -> String {
@@ -111,8 +139,18 @@ impl Writer<'_> {
     }
 }
 
+/// An operator between two operands; what stands on its right binds more tightly.
+pub(crate) fn joined(left: (String, Level), sign: &str, right: (String, Level), level: Level) -> String {
+    let above = if level == Level::Sum { Level::Product } else { Level::Sign };
+    format!("{} {sign} {}", at_least(left, level), at_least(right, above))
+}
+
+pub(crate) fn at_least((text, level): (String, Level), least: Level) -> String {
+    if level < least { format!("({text})") } else { text }
+}
+
 /// A leaf as an operand.
-fn wrapped(leaf: &str) -> String {
+pub(crate) fn wrapped(leaf: &str) -> String {
     let mut depth = 0_i32;
     let plain = leaf.chars().all(|c| {
         depth += i32::from("([".contains(c)) - i32::from(")]".contains(c));
@@ -122,7 +160,7 @@ fn wrapped(leaf: &str) -> String {
 }
 
 /// An argument of a function needs no parentheses around it.
-fn bare(text: &str) -> &str {
+pub(crate) fn bare(text: &str) -> &str {
     let Some(inside) = text.strip_prefix('(').and_then(|rest| rest.strip_suffix(')')) else { return text };
     let mut depth = 0_i32;
     let closes = inside.chars().any(|c| {

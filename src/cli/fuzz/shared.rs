@@ -40,12 +40,12 @@ const NOTES: &str = "--notes";
 
 /// Everything that the result of a run depends on.
 fn identity(args: &FuzzArgs, shard: Shard, files: &[(&IncludedText, Vec<Subject>)], lanes: &[Description]) -> Identity {
-    let mut identity = Identity::new("fuzz", args.seed, shard.count())
+    let mut identity = Identity::new("fuzz", args.input.seed, shard.count())
         .with("--samples", args.samples)
         .with(NOTES, args.notes)
         .with("--hostile", args.hostile)
         .with("--function", args.function.join(","))
-        .with("--domain", args.domain.join("; "));
+        .with("--domain", args.input.domain.join("; "));
     for lane in lanes {
         identity = identity.with(&format!("lane `{}`", lane.name), &lane.driver);
     }

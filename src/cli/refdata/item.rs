@@ -6,7 +6,7 @@ use std::path::Path;
 use super::generate::GenerateArgs;
 use crate::cli::check::select::{self, Selected};
 use crate::cli::compose::Given;
-use crate::cli::{fuzz, includes};
+use crate::cli::{fuzz, includes, inputs};
 use base::diagnostic::Lang;
 use base::text::Shown as _;
 use engine::suite::{self, Expect};
@@ -51,7 +51,7 @@ impl Item {
 /// # Errors
 /// When a name is unknown, or a file is wrong.
 pub fn items(args: &GenerateArgs, err: &mut dyn Write) -> anyhow::Result<Vec<Item>> {
-    let stated = fuzz::stated(&args.domain)?;
+    let stated = inputs::domains(&args.domain)?;
     let mut inputs = fuzz::Inputs::new(&stated);
     let (mut items, mut known, mut bare) = (Vec::new(), Vec::new(), false);
     for argument in &args.suites {

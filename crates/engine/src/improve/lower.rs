@@ -1,20 +1,21 @@
 //! Expressions of a shader as terms: what is a number of binary32 and made of operations that rules know, with local
 //! variables that are set once written out.
 
-use ::improve::{Binary, Id, Node, Term, Unary};
+use ::improve::{Binary, Component, Id, Node, Term, Unary};
 
 use base::text::Span;
-use syntax::ast::{BinaryOp, Block, Declaration, ExprId, ExprKind, Function, Stmt, StmtKind, UnaryOp};
+use syntax::BuiltinFunction as F;
+use syntax::Shader;
+use syntax::ast::{BinaryOp, ExprId, ExprKind, Function, StmtKind, UnaryOp};
 use syntax::real::Reals;
+use syntax::swizzle::component;
 use syntax::symbols::{CallTarget, SymbolId, SymbolKind};
 use syntax::types::{ScalarType, Type};
-use syntax::{BuiltinFunction as F, Shader};
 
-/// Operations below which nothing is looked for.
-const LEAST_OPERATIONS: usize = 1;
+use super::algebra;
 
 /// Nodes of a term beyond which an expression is left alone.
-const MOST_NODES: usize = 160;
+pub(super) const MOST_NODES: usize = 160;
 
 /// Denominators of multiples of π that constants are taken for.
 const PARTS_OF_PI: [f64; 12] = [1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 90.0, 180.0, 360.0, 720.0];
@@ -23,128 +24,62 @@ const PARTS_OF_PI: [f64; 12] = [1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 90.0, 
 const NEAR_PI: f64 = 2e-7;
 
 /// A part of a term that is no operation that rules know.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Leaf {
     /// Its text.
     pub text: String,
     /// An input, or why its values are not known.
     pub opaque: Option<String>,
+    /// The vector that it is a component of.
+    pub of: Option<Component>,
+    /// How its values follow from inputs, where it is none itself.
+    pub drawn: Option<Drawn>,
 }
 
-/// An expression that can be written in another way.
-#[derive(Clone, Debug)]
-pub struct Place {
-    /// Its bytes in the text of the shader.
-    pub span: Span,
-    /// What it is.
-    pub term: Term,
-    /// What the leaves of the term are.
+/// Values that follow from others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drawn {
+    /// One term; as many as a vector has components where the leaf stands for each of them in turn.
+    pub terms: Vec<Term>,
+    /// What the terms are made of.
     pub leaves: Vec<Leaf>,
-    /// Local variables that were written out.
-    pub inlined: Vec<String>,
-    /// Where another expression stands that needs an operand.
-    pub is_operand: bool,
 }
 
-/// The places of a function, outermost expressions first in the order of the text.
-pub fn places(shader: &Shader, function: &Function, reals: &Reals) -> Vec<Place> {
-    let mut finder = Finder { shader, reals, places: Vec::new() };
-    if let Some(body) = &function.body {
-        finder.block(body);
-    }
-    finder.places
-}
-
-struct Finder<'a> {
-    shader: &'a Shader,
-    reals: &'a Reals,
-    places: Vec<Place>,
-}
-
-impl Finder<'_> {
-    fn block(&mut self, block: &Block) {
-        block.statements.iter().for_each(|statement| self.statement(statement));
-    }
-
-    fn statement(&mut self, statement: &Stmt) {
-        match &statement.kind {
-            StmtKind::Declaration(declaration) => self.declaration(declaration),
-            StmtKind::Expr(id) => self.expression(*id, false),
-            StmtKind::Return(Some(id)) => self.expression(*id, false),
-            StmtKind::Block(block) => self.block(block),
-            StmtKind::If { condition, then, otherwise } => {
-                self.expression(*condition, true);
-                self.statement(then);
-                if let Some(otherwise) = otherwise {
-                    self.statement(otherwise);
-                }
-            }
-            StmtKind::For { body, .. } | StmtKind::While { body, .. } | StmtKind::DoWhile { body, .. } => {
-                self.statement(body);
-            }
-            StmtKind::Switch { body, .. } => self.block(body),
-            _ => {}
-        }
-    }
-
-    fn declaration(&mut self, declaration: &Declaration) {
-        for declarator in &declaration.declarators {
-            if let Some(initializer) = &declarator.initializer {
-                self.expression(initializer.value, false);
-            }
-        }
-    }
-
-    fn expression(&mut self, id: ExprId, is_operand: bool) {
-        let expr = self.shader.expr(id);
-        if let Some(place) = (!expr.from_macro).then(|| self.place(id, is_operand)).flatten() {
-            self.places.push(place);
-            return;
-        }
-        let operand = !matches!(expr.kind, ExprKind::Paren(_) | ExprKind::Call { .. } | ExprKind::Assign { .. });
-        expr.children().into_iter().for_each(|child| self.expression(child, operand));
-    }
-
-    fn place(&self, id: ExprId, is_operand: bool) -> Option<Place> {
-        is_float(self.shader.type_of(id)).then_some(())?;
-        if self.reals.get(id).is_some() {
-            return None;
-        }
-        let mut lowering = Lowering {
-            shader: self.shader,
-            reals: self.reals,
-            term: Term::default(),
-            leaves: Vec::new(),
-            inlined: Vec::new(),
-        };
-        lowering.expression(id)?;
-        let Lowering { term, leaves, inlined, .. } = lowering;
-        let operations = term.iter().filter(|node| matches!(node, Node::Unary(..) | Node::Binary(..))).count();
-        let fits = operations > LEAST_OPERATIONS && term.len() <= MOST_NODES;
-        let inlined = inlined.into_iter().map(|symbol| self.shader.symbol(symbol).name.clone()).collect();
-        (fits && !leaves.is_empty()).then(|| Place {
-            span: self.shader.expr(id).span,
-            term,
-            leaves,
-            inlined,
-            is_operand,
-        })
-    }
-}
-
-fn is_float(ty: &Type) -> bool {
+pub(super) fn is_float(ty: &Type) -> bool {
     matches!(ty, Type::Scalar(ScalarType::Float))
 }
 
-struct Lowering<'a> {
-    shader: &'a Shader,
-    reals: &'a Reals,
-    term: Term,
-    leaves: Vec<Leaf>,
-    inlined: Vec<SymbolId>,
+/// Components of a vector of binary32, or 1 of a number.
+pub(super) fn width(ty: &Type) -> Option<usize> {
+    match ty {
+        Type::Scalar(ScalarType::Float) => Some(1),
+        Type::Vector(ScalarType::Float, n) => Some(usize::from(*n)),
+        _ => None,
+    }
 }
 
-impl Lowering<'_> {
+/// A text that a component can be taken of.
+pub(super) fn as_base(text: &str) -> String {
+    let plain = text.chars().all(|c| c.is_alphanumeric() || "_.[]".contains(c));
+    if plain { text.to_owned() } else { format!("({text})") }
+}
+
+/// Writes expressions out as terms.
+pub(super) struct Lowering<'a> {
+    pub(super) shader: &'a Shader,
+    pub(super) reals: &'a Reals,
+    pub(super) term: Term,
+    pub(super) leaves: Vec<Leaf>,
+    pub(super) inlined: Vec<SymbolId>,
+    /// Vectors are written out in components, for their values; else what reduces one to a number is a leaf.
+    pub(super) in_components: bool,
+}
+
+impl<'a> Lowering<'a> {
+    pub(super) fn new(shader: &'a Shader, reals: &'a Reals, in_components: bool) -> Self {
+        Self { shader, reals, term: Term::default(), leaves: Vec::new(), inlined: Vec::new(), in_components }
+    }
+
     fn add(&mut self, node: Node) -> Option<Id> {
         Some(self.term.add(node))
     }
@@ -175,7 +110,7 @@ impl Lowering<'_> {
         self.number(value)
     }
 
-    fn expression(&mut self, id: ExprId) -> Option<Id> {
+    pub(super) fn expression(&mut self, id: ExprId) -> Option<Id> {
         if let Some(real) = self.reals.get(id).and_then(|real| real.values().first().copied()) {
             return self.constant(real);
         }
@@ -188,13 +123,7 @@ impl Lowering<'_> {
             }
             ExprKind::Unary { op: UnaryOp::Plus, operand, .. } => self.scalar(*operand),
             ExprKind::Binary { op, left, right, .. } => {
-                let op = match op {
-                    BinaryOp::Add => Binary::Add,
-                    BinaryOp::Sub => Binary::Sub,
-                    BinaryOp::Mul => Binary::Mul,
-                    BinaryOp::Div => Binary::Div,
-                    _ => return self.leaf(id),
-                };
+                let Some(op) = arithmetic(*op) else { return self.leaf(id) };
                 if !self.is_scalar(*left) || !self.is_scalar(*right) {
                     return self.leaf(id);
                 }
@@ -229,15 +158,16 @@ impl Lowering<'_> {
     }
 
     /// What a local variable is declared as, where nothing that it is made of is ever set to something else.
-    fn initial(&self, symbol: SymbolId) -> Option<ExprId> {
+    pub(super) fn initial(&self, symbol: SymbolId) -> Option<ExprId> {
         let local = self.shader.symbol(symbol);
-        if local.kind != SymbolKind::Local || !is_float(&local.ty) || self.shader.is_written(symbol) {
+        let number = is_float(&local.ty) || (self.in_components && width(&local.ty).is_some());
+        if local.kind != SymbolKind::Local || !number || self.shader.is_written(symbol) {
             return None;
         }
         let span = local.span?;
         let value = declared(self.shader, span)?;
-        let (stays, same) = (self.stays(value), self.is_scalar(value));
-        (stays && same).then_some(value)
+        let same = if is_float(&local.ty) { self.is_scalar(value) } else { *self.shader.type_of(value) == local.ty };
+        (same && self.stays(value)).then_some(value)
     }
 
     fn stays(&self, id: ExprId) -> bool {
@@ -261,13 +191,157 @@ impl Lowering<'_> {
         if !is_float(self.shader.type_of(id)) {
             return None;
         }
+        if self.in_components
+            && let Some(parts) = self.written_out(id)
+        {
+            return parts.first().copied();
+        }
         let text = self.shader.text_of(id).to_owned();
+        let k = match self.leaves.iter().position(|leaf| leaf.text == text) {
+            Some(k) => k,
+            None => {
+                let opaque = opaque(self.shader, id);
+                let drawn = opaque.is_some().then(|| self.drawn(id)).flatten();
+                self.leaves.push(Leaf { text, opaque, drawn, ..Leaf::default() });
+                self.leaves.len() - 1
+            }
+        };
+        self.add(Node::Leaf(u32::try_from(k).ok()?))
+    }
+
+    /// How the values of an expression follow from inputs, where they do.
+    pub(super) fn drawn(&self, id: ExprId) -> Option<Drawn> {
+        if self.in_components {
+            return None;
+        }
+        let mut values = Self::new(self.shader, self.reals, true);
+        let roots = values.parts(id)?;
+        let known = values.leaves.iter().any(|leaf| leaf.opaque.is_none()) && values.term.len() <= 4 * MOST_NODES;
+        known.then(|| Drawn {
+            terms: roots.into_iter().map(|root| ::improve::rooted(&values.term, root)).collect(),
+            leaves: values.leaves.clone(),
+        })
+    }
+
+    /// The components of a vector, or a number.
+    pub(super) fn parts(&mut self, id: ExprId) -> Option<Vec<Id>> {
+        if self.is_scalar(id) {
+            return Some(vec![self.expression(id)?]);
+        }
+        let count = width(self.shader.type_of(id))?;
+        if let Some(real) = self.reals.get(id).filter(|real| real.values().len() == count) {
+            let values = real.values().to_vec();
+            return values.into_iter().map(|value| self.constant(value)).collect();
+        }
+        if let Some(parts) = self.written_out(id) {
+            return Some(parts);
+        }
+        let vector = self.shader.text_of(id).to_owned();
         let opaque = opaque(self.shader, id);
+        Some((0..count).map(|index| self.component(&vector, index, count, opaque.clone(), None)).collect())
+    }
+
+    /// A component of a vector that is a leaf.
+    pub(super) fn component(
+        &mut self,
+        vector: &str,
+        index: usize,
+        count: usize,
+        opaque: Option<String>,
+        drawn: Option<Drawn>,
+    ) -> Id {
+        let text = format!("{}.{}", as_base(vector), &"xyzw"[index..=index]);
         let k = self.leaves.iter().position(|leaf| leaf.text == text).unwrap_or_else(|| {
-            self.leaves.push(Leaf { text, opaque });
+            let of = Some(Component { vector: vector.to_owned(), index, count });
+            self.leaves.push(Leaf { text, opaque, of, drawn });
             self.leaves.len() - 1
         });
-        self.add(Node::Leaf(u32::try_from(k).ok()?))
+        algebra::add(&mut self.term, Node::Leaf(k as u32))
+    }
+
+    /// What an expression about vectors is in components; none where it is a leaf.
+    fn written_out(&mut self, id: ExprId) -> Option<Vec<Id>> {
+        match &self.shader.expr(id).kind {
+            ExprKind::Paren(inner) => self.parts(*inner),
+            ExprKind::Name(_) => {
+                let value = self.initial(self.shader.symbol_of(id)?)?;
+                self.parts(value)
+            }
+            ExprKind::Unary { op: UnaryOp::Minus, operand, .. } => {
+                let parts = self.parts(*operand)?;
+                Some(parts.into_iter().map(|x| algebra::unary(&mut self.term, Unary::Neg, x)).collect())
+            }
+            ExprKind::Binary { op, left, right, .. } => {
+                let op = arithmetic(*op)?;
+                let (a, b) = (self.parts(*left)?, self.parts(*right)?);
+                algebra::zip(&mut self.term, op, &a, &b)
+            }
+            ExprKind::Field { base, field } => {
+                let count = width(self.shader.type_of(*base)).filter(|count| *count > 1)?;
+                let chosen: Vec<usize> = field.name.chars().map(component).collect::<Option<_>>()?;
+                let inner = self.written_out(*base);
+                let parts = match inner {
+                    Some(parts) => parts,
+                    None if chosen.len() > 1 => self.parts(*base)?,
+                    // A component of an input goes by its own name.
+                    None => return None,
+                };
+                chosen.iter().map(|k| parts.get(*k).copied().filter(|_| *k < count)).collect()
+            }
+            ExprKind::Call { args, .. } => self.call_in_components(id, args),
+            _ => None,
+        }
+    }
+
+    fn call_in_components(&mut self, id: ExprId, args: &[ExprId]) -> Option<Vec<Id>> {
+        let count = width(self.shader.type_of(id))?;
+        let function = match self.shader.callee(id)? {
+            CallTarget::Constructor(_) => {
+                let parts: Vec<Id> = args
+                    .iter()
+                    .map(|arg| self.parts(*arg))
+                    .collect::<Option<Vec<_>>>()?
+                    .into_iter()
+                    .flatten()
+                    .collect();
+                return match parts[..] {
+                    [one] => Some(vec![one; count]),
+                    _ => (parts.len() >= count).then(|| parts[..count].to_vec()),
+                };
+            }
+            CallTarget::Builtin(call) => call.function,
+            CallTarget::User(_) => return None,
+        };
+        let known = matches!(
+            function,
+            F::Dot | F::Length | F::Distance | F::Normalize | F::Cross | F::Mix | F::Min | F::Max | F::Abs
+        );
+        if !known {
+            return None;
+        }
+        let args: Vec<Vec<Id>> = args.iter().map(|arg| self.parts(*arg)).collect::<Option<_>>()?;
+        let term = &mut self.term;
+        match (function, &args[..]) {
+            (F::Dot, [a, b]) => Some(vec![algebra::dot(term, a, b)]),
+            (F::Length, [a]) => Some(vec![algebra::length(term, a)]),
+            (F::Distance, [a, b]) => {
+                let way = algebra::zip(term, Binary::Sub, a, b)?;
+                Some(vec![algebra::length(term, &way)])
+            }
+            (F::Normalize, [a]) => Some(algebra::normalized(term, a)),
+            (F::Cross, [a, b]) => algebra::cross(term, a, b),
+            (F::Mix, [a, b, t]) => {
+                let one = vec![algebra::add(term, Node::number(1.0))];
+                let rest = algebra::zip(term, Binary::Sub, &one, t)?;
+                let (first, second) =
+                    (algebra::zip(term, Binary::Mul, a, &rest)?, algebra::zip(term, Binary::Mul, b, t)?);
+                algebra::zip(term, Binary::Add, &first, &second)
+            }
+            (F::Min, [a, b]) => algebra::zip(term, Binary::Min, a, b),
+            (F::Max, [a, b]) => algebra::zip(term, Binary::Max, a, b),
+            (F::Abs, [a]) => Some(a.iter().map(|x| algebra::unary(term, Unary::Abs, *x)).collect()),
+            _ => None,
+        }
     }
 
     fn call(&mut self, id: ExprId, args: &[ExprId]) -> Option<Id> {
@@ -337,8 +411,18 @@ impl Lowering<'_> {
     }
 }
 
+fn arithmetic(op: BinaryOp) -> Option<Binary> {
+    match op {
+        BinaryOp::Add => Some(Binary::Add),
+        BinaryOp::Sub => Some(Binary::Sub),
+        BinaryOp::Mul => Some(Binary::Mul),
+        BinaryOp::Div => Some(Binary::Div),
+        _ => None,
+    }
+}
+
 /// Why the values of an expression are not known; nothing for an input or a part of one.
-fn opaque(shader: &Shader, id: ExprId) -> Option<String> {
+pub(super) fn opaque(shader: &Shader, id: ExprId) -> Option<String> {
     match &shader.expr(id).kind {
         ExprKind::Paren(inner) => opaque(shader, *inner),
         ExprKind::Field { base, .. } => opaque(shader, *base),

@@ -5,23 +5,30 @@
 //! domain ─ samples ─▶ points ───────────┴─ search ─▶ candidates ─ proof ─▶ text ─ compare ─▶ proposals
 //! ```
 
+mod algebra;
 mod lower;
+mod places;
 mod plot;
 mod points;
+mod vectors;
 
 use std::time::Duration;
 
 use crate::compare::{self, Compared};
-use crate::fuzz::{Domain, Subject, stream_key, subjects};
-use ::improve::{Candidate, Dialect, Improved, Losses, Points, Proof, Settings, Term, prove, search, written};
+use crate::fuzz::{Domain, Look, Ready, Subject, Trouble, scan, stream_key};
+use ::improve::{
+    Candidate, Dialect, Improved, LeafText, Losses, Points, Proof, Settings, Term, measure, prove, search, written,
+};
 use base::text::{Edit, EditList, SourceFile, Span};
+use base::value::Batch;
 use judge::profile::Profile;
 use lanes::Lane;
+use places::{Place, places};
 use points::Drawer;
+use syntax::Shader;
 use syntax::real::Reals;
-use syntax::{Parsed, Shader};
 
-pub use lower::{Leaf, Place, places};
+pub use lower::Leaf;
 pub use plot::Plot;
 pub use points::InputRange;
 
@@ -31,8 +38,17 @@ const SEARCHED: usize = 512;
 /// Points that no search has seen, from which figures come.
 const MEASURED: usize = 1 << 12;
 
+/// Nodes of the graph of an expression, where none are asked for.
+pub const NODES: usize = 6000;
+
 /// Proposals of an expression.
 const PROPOSALS: usize = 3;
+
+/// Bits in the mean that a function has from another formula about vectors, at the least.
+const LEAST_GAIN: f64 = 0.25;
+
+/// Characters of a formula beyond which nobody reads it.
+const LONGEST: usize = 240;
 
 /// Samples for which the judge derives bounds and lanes run, of those of the proof.
 const JUDGED: u64 = 1 << 14;
@@ -129,42 +145,64 @@ pub struct Proposal {
     pub plot: Plot,
 }
 
-/// Looks for better formulas in one function of a shader, whose parse is `parsed` and whose author's file is `file`.
-/// `again` parses a changed file in the way of the first.
+/// Why nothing is looked for in a shader, where that is so.
+pub fn refused(shader: &Shader) -> Option<&'static str> {
+    let halves = shader.wgsl().is_some()
+        && syntax::wgsl::tokens(shader.file().text()).iter().any(|token| shader.file().slice(token.span) == "f16");
+    halves.then_some("it has numbers of `f16`, and what formulas lose is measured in binary32")
+}
+
+/// Looks for better formulas in one function of a shader, whose author's file is `file`. `again` reads a changed file in
+/// the way of the first and gives its functions of that label.
 ///
 /// # Errors
 /// Where a stated range has no end.
 pub fn run(
-    (parsed, file, subject): (&Parsed, &SourceFile, &Subject),
+    (shader, file, subject): (&Shader, &SourceFile, &Subject),
     domain: &Domain,
     lanes: &[&dyn Lane],
     request: &Request<'_>,
-    again: &dyn Fn(&SourceFile) -> Parsed,
+    again: Again<'_>,
 ) -> Result<Vec<Report>, String> {
-    let shader = &parsed.shader;
     let reals = Reals::new(shader, &|_, value| value);
     let Ok(ready) = &subject.ready else { return Ok(Vec::new()) };
     let info =
         shader.functions().map(|(_, info)| info).find(|info| shader.file().locate(info.name.span.start) == subject.at);
     let Some(function) = info.and_then(|info| shader.function_syntax(info)) else { return Ok(Vec::new()) };
     let mut reports = Vec::new();
-    for place in places(shader, function, &reals) {
+    let mut taken: Vec<Span> = Vec::new();
+    let mut without: Vec<(Span, Vec<(String, String)>)> = Vec::new();
+    let is_unit = |text: &str| points::is_unit(ready, domain, text);
+    let [known, searched] = places(shader, function, &reals, &is_unit);
+    for place in known.into_iter().chain(searched) {
         let Some(span) = own_span(shader, file, place.span) else { continue };
         let lines = file.position(span.start).line..=file.position(span.end).line;
-        if request.line.is_some_and(|line| !lines.contains(&line)) {
+        let apart = |other: &Span| other.end <= span.start || span.end <= other.start;
+        if request.line.is_some_and(|line| !lines.contains(&line)) || !taken.iter().all(apart) {
             continue;
         }
         let drawer = Drawer::new(ready, domain, stream_key(request.seed, &subject.label), &place.leaves)?;
         let one = One { subject, domain, file, span, place: &place, drawer, request, again, lanes, shader };
-        if let Some(report) = one.report() {
-            reports.push(report);
+        let Some(mut report) = one.report() else { continue };
+        if !report.proposals.is_empty() {
+            taken.push(span);
+        } else if place.known.is_some() {
+            // What is known by heart is no better: it is searched for, and the reason told there.
+            without.push((span, report.refused));
+            continue;
         }
+        let inside = without.iter().filter(|(known, _)| span.start <= known.start && known.end <= span.end);
+        report.refused.extend(inside.flat_map(|(_, refused)| refused.clone()));
+        reports.push(report);
     }
     Ok(reports)
 }
 
+/// How a changed file is read.
+pub type Again<'a> = &'a dyn Fn(&SourceFile) -> Result<Vec<Subject>, String>;
+
 /// The bytes of the author's file that a place of the parsed text is; none in an included file.
-pub(crate) fn own_span(shader: &Shader, file: &SourceFile, span: Span) -> Option<Span> {
+pub fn own_span(shader: &Shader, file: &SourceFile, span: Span) -> Option<Span> {
     if shader.file().text() == file.text() {
         return Some(span);
     }
@@ -181,7 +219,7 @@ struct One<'a> {
     place: &'a Place,
     drawer: Drawer<'a>,
     request: &'a Request<'a>,
-    again: &'a dyn Fn(&SourceFile) -> Parsed,
+    again: Again<'a>,
     lanes: &'a [&'a dyn Lane],
     shader: &'a Shader,
 }
@@ -205,12 +243,14 @@ impl One<'_> {
         };
         let points = Points::new(&searched);
         let asked = self.request.line.is_some();
-        let exact = ::improve::reference(&self.place.term, &points).ok()?;
+        let exact = ::improve::reference(self.meant(), &points).ok()?;
         let losses = Losses::of(&::improve::run(&::improve::folded(&self.place.term), &points), &exact);
         let known =
             Losses(losses.0.iter().zip(&exact).filter(|(_, exact)| exact.is_finite()).map(|(lost, _)| *lost).collect());
         report.lost = Lost::of(&known);
-        if !asked && (known.mean() < GOOD[0] || known.worst() < GOOD[1]) {
+        // A formula about vectors that goes wrong seldom goes wrong badly.
+        let good = known.worst() < GOOD[1] || (known.mean() < GOOD[0] && self.place.known.is_none());
+        if good && !asked {
             return None;
         }
         let settings = Settings {
@@ -219,7 +259,11 @@ impl One<'_> {
             hyperbolic: has_hyperbolic(self.shader),
             ..Settings::default()
         };
-        match search(&self.place.term, &points, &settings) {
+        let found = match &self.place.known {
+            Some(known) => measure(&self.place.term, &known.meant, &known.others, &points),
+            None => search(&self.place.term, &points, &settings),
+        };
+        match found {
             Ok(found) => {
                 let poles = exact.iter().position(|exact| !exact.is_finite());
                 report.pole = poles.map(|k| self.named(&points.point(k)));
@@ -230,6 +274,11 @@ impl One<'_> {
         Some(report)
     }
 
+    /// What the expression means in real numbers.
+    fn meant(&self) -> &Term {
+        self.place.known.as_ref().map_or(&self.place.term, |known| &known.meant)
+    }
+
     fn named(&self, point: &[f32]) -> Vec<(String, f32)> {
         self.place.leaves.iter().map(|leaf| leaf.text.clone()).zip(point.iter().copied()).collect()
     }
@@ -237,7 +286,7 @@ impl One<'_> {
     fn proposed(&self, found: &Improved, report: &mut Report) {
         let own = &self.place.term;
         let fresh = Points::new(&self.drawer.draw(1 << 20, MEASURED));
-        let Ok(exact) = ::improve::reference(own, &fresh) else { return };
+        let Ok(exact) = ::improve::reference(self.meant(), &fresh) else { return };
         let fits: Vec<usize> = (0..exact.len()).filter(|k| exact[*k].abs() <= f64::from(f32::MAX)).collect();
         let fresh = fresh.chosen(&fits);
         let exact: Vec<f64> = fits.iter().map(|k| exact[*k]).collect();
@@ -266,8 +315,10 @@ impl One<'_> {
     }
 
     fn written(&self, candidate: &Candidate, terms: &[Term]) -> String {
-        let leaves: Vec<String> = self.place.leaves.iter().map(|leaf| leaf.text.clone()).collect();
-        written(&candidate.split, terms, &leaves, Dialect::Glsl)
+        let leaf = |leaf: &Leaf| LeafText { text: leaf.text.clone(), of: leaf.of.clone() };
+        let leaves: Vec<LeafText> = self.place.leaves.iter().map(leaf).collect();
+        let dialect = if self.shader.wgsl().is_some() { Dialect::Wgsl } else { Dialect::Glsl };
+        written(&candidate.split, terms, &leaves, dialect)
     }
 
     fn proposal(
@@ -279,6 +330,9 @@ impl One<'_> {
         text: String,
     ) -> Result<Proposal, String> {
         let (before, after) = (Lost::of(original), Lost::of(new));
+        if text.len() > LONGEST {
+            return Err(format!("it has {} characters, too many to read", text.len()));
+        }
         // Figures are those of points that the search has not seen.
         if after.mean >= before.mean || after.worst > before.worst + 1.0 {
             return Err(format!(
@@ -288,7 +342,7 @@ impl One<'_> {
         }
         let mut points = self.drawer.special();
         points.extend(self.drawer.draw(1 << 30, self.request.samples as usize));
-        let proof = prove(&self.place.term, &candidate.split, &found.terms, &Points::new(&points))?;
+        let proof = prove(self.meant(), &candidate.split, &found.terms, &Points::new(&points))?;
         if !proof.holds() {
             let place = |point: &[f32]| {
                 let values = self.named(point);
@@ -310,6 +364,7 @@ impl One<'_> {
         let changed = edits.apply(self.file.text()).map_err(|error| error.to_string())?;
         let changed = SourceFile::new(self.file.name(), changed.text.as_str());
         let compared = self.judged(&changed)?;
+        not_worth(before.mean - after.mean, &compared)?;
         let worse =
             worse(original, new).map(|(share, k)| (share, self.named(&fresh.point(k)), [original.0[k], new.0[k]]));
         let names: Vec<&str> = self.place.leaves.iter().map(|leaf| leaf.text.as_str()).collect();
@@ -326,12 +381,26 @@ impl One<'_> {
         })
     }
 
+    /// What goes into a formula about vectors may be off by more than it loses itself: then the function has nothing from
+    /// another one.
+    fn gains(&self, second: &Subject) -> Result<(), String> {
+        let (Ok(own), Ok(new), Some(_)) = (&self.subject.ready, &second.ready, &self.place.known) else {
+            return Ok(());
+        };
+        let batch = self.drawer.batch(1 << 21, MEASURED);
+        let (before, after) = (lost_by(own, &batch), lost_by(new, &batch));
+        if after + LEAST_GAIN < before {
+            return Ok(());
+        }
+        Err(format!(
+            "the function loses {before:.1} bits in the mean, and {after:.1} with it: what goes into it is off by more"
+        ))
+    }
+
     /// Both functions beside each other, where they are more than the expression.
     fn judged(&self, changed: &SourceFile) -> Result<Compared, String> {
-        let parsed = (self.again)(changed);
+        let all = (self.again)(changed)?;
         let label = &self.subject.label;
-        let all =
-            subjects(&parsed.shader, &|name| name == label || name == self.subject.name).map_err(|bad| bad.why)?;
         let second = all.iter().find(|one| one.label == *label).ok_or("the changed text does not compile")?;
         let request = compare::Request {
             samples: self.request.samples.min(JUDGED),
@@ -341,17 +410,41 @@ impl One<'_> {
             command: self.request.command.clone(),
             curves: false,
         };
+        self.gains(second)?;
         let compared = compare::run([self.subject, second], self.domain, self.lanes, &request)?;
         if let Some(why) = &compared.not_compared {
             return Err(why.clone());
         }
+        // A vector of length 1 is off by its rounding, and what that makes of a function is no other meaning.
+        let of_units = self.place.known.as_ref().is_some_and(|known| known.meant != self.place.term);
         let values = compared.smallest.as_ref().and_then(|unlike| unlike.values);
-        if compared.unlike.1 > 0 && values.is_none_or(|[old, _]| !old.is_nan()) {
+        if compared.unlike.1 > 0 && !of_units && values.is_none_or(|[old, _]| !old.is_nan()) {
             let what = compared.smallest.as_ref().map_or_else(String::new, |unlike| format!(": {}", unlike.message));
             return Err(format!("the judge finds that the function means something else{what}"));
         }
         Ok(compared)
     }
+}
+
+/// A gain of less than a bit is none where a device may be off by more.
+fn not_worth(gain: f64, compared: &Compared) -> Result<(), String> {
+    let Some(bounds) = compared.accuracy.first().filter(|_| gain < 1.0) else { return Ok(()) };
+    let (tighter, wider) = (bounds.better[1] + bounds.alone[1], bounds.better[0] + bounds.alone[0]);
+    let ratio = bounds.median_ratio.map_or(1.0, |ratio| 1.0 / ratio);
+    if ratio < 1.1 || wider < 4 * tighter {
+        return Ok(());
+    }
+    Err(format!("it gains {gain:.1} bits in the mean, and the bound of a device is {ratio:.2} times as wide"))
+}
+
+/// Bits that a function loses in strict binary32, in the mean of some samples.
+fn lost_by(ready: &Ready, batch: &Batch) -> f64 {
+    let looks = scan(&ready.executable, &ready.kernel.output.vertex, batch);
+    let bits = |look: &Look| match look.trouble {
+        None | Some(Trouble::Moved) => (1.0 + look.error * f64::from(1 << 24)).log2().min(::improve::WORST),
+        Some(_) => ::improve::WORST,
+    };
+    looks.iter().map(bits).sum::<f64>() / looks.len().max(1) as f64
 }
 
 /// The share of points at which the second loses clearly more, and the one where it is most.
@@ -362,8 +455,7 @@ fn worse(original: &Losses, new: &Losses) -> Option<(f64, usize)> {
     Some((all.len() as f64 / original.0.len().max(1) as f64, most))
 }
 
-/// Hyperbolic functions came with GLSL 1.30 and ES 3.00.
+/// Hyperbolic functions came with GLSL 1.30 and ES 3.00; WGSL has them.
 fn has_hyperbolic(shader: &Shader) -> bool {
-    let version = shader.version();
-    version.number >= 130
+    shader.wgsl().is_some() || shader.version().number >= 130
 }

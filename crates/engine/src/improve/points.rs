@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
-use super::lower::Leaf;
-use crate::fuzz::{Domain, InputDomain, Interval, Ready, batch};
+use super::lower::{Drawn, Leaf};
+use crate::fuzz::{Domain, InputDomain, Interval, Law, Ready, batch};
+use ::improve::{Points, Term};
 use base::value::{Batch, Record, Scalar};
 use property::{Stream, mix};
 
@@ -14,11 +15,24 @@ const SPECIAL: usize = 512;
 const UNKNOWN: [f32; 2] = [-2.0, 2.0];
 const TEXEL: [f32; 2] = [0.0, 1.0];
 
-/// What a leaf is: a word of a record, or a number of which nothing is known.
+/// What a direction is taken for where nothing is stated.
+const DIRECTION: &str = "a direction";
+
+/// What a leaf is: a word of a record, a number of which nothing is known, or one that follows from others.
 #[derive(Clone, Debug)]
 enum Source {
-    Word { of_case: bool, word: usize, field: usize },
-    Any([f32; 2]),
+    Word {
+        of_case: bool,
+        word: usize,
+        field: usize,
+    },
+    /// With a key of its own, so that it is the same wherever the text stands.
+    Any([f32; 2], u64),
+    Drawn {
+        terms: Vec<Term>,
+        sources: Vec<Source>,
+        from: String,
+    },
 }
 
 /// Draws points.
@@ -46,17 +60,25 @@ impl<'a> Drawer<'a> {
     pub(super) fn new(ready: &'a Ready, domain: &'a Domain, key: u64, leaves: &[Leaf]) -> Result<Self, String> {
         let sources: Vec<Source> = leaves.iter().map(|leaf| source(ready, leaf)).collect();
         let drawer = Self { ready, domain, key, sources };
-        for (source, leaf) in drawer.sources.iter().zip(leaves) {
-            let Some(interval) = drawer.stated(source).and_then(InputDomain::interval) else { continue };
+        drawer.ends(&drawer.sources, leaves)?;
+        Ok(drawer)
+    }
+
+    fn ends(&self, sources: &[Source], leaves: &[Leaf]) -> Result<(), String> {
+        for (source, leaf) in sources.iter().zip(leaves) {
+            if let (Source::Drawn { sources, .. }, Some(drawn)) = (source, &leaf.drawn) {
+                self.ends(sources, &drawn.leaves)?;
+            }
+            let Some(interval) = self.stated(source).and_then(InputDomain::interval) else { continue };
             if !interval.low.is_finite() || !interval.high.is_finite() {
-                let law = crate::fuzz::Law::Within(interval);
+                let law = Law::Within(interval);
                 return Err(format!(
                     "`{}` {law}: a range without an end says nothing about what is lost; state both, such as `--domain '{}=[0.001,1000]'`",
                     leaf.text, leaf.text
                 ));
             }
         }
-        Ok(drawer)
+        Ok(())
     }
 
     fn stated(&self, source: &Source) -> Option<&InputDomain> {
@@ -65,24 +87,33 @@ impl<'a> Drawer<'a> {
         side.get(*field).filter(|input| input.is_stated())
     }
 
-    /// Points of samples from number `first` on.
-    pub(super) fn draw(&self, first: u64, count: usize) -> Vec<Vec<f32>> {
+    /// Samples of the function from number `first` on.
+    pub(super) fn batch(&self, first: u64, count: usize) -> Batch {
         let kernel = &self.ready.kernel;
         let records = (&kernel.invocation, &kernel.case);
-        let batch = if self.domain.is_stated() {
+        if self.domain.is_stated() {
             batch(records.0, records.1, self.domain, self.key, first, count)
         } else {
             self.ready.realistic.batch(records, self.domain, self.key, first, count)
-        };
-        let mut stream = Stream::new(mix(self.key ^ 0x1eaf, first));
-        let point = |k: usize| self.sources.iter().map(|source| value(source, &batch, k, &mut stream)).collect();
-        let points = (0..batch.invocation_count()).map(point);
+        }
+    }
+
+    /// Points of samples from number `first` on.
+    pub(super) fn draw(&self, first: u64, count: usize) -> Vec<Vec<f32>> {
+        let batch = self.batch(first, count);
+        let at = At { batch: &batch, key: self.key, first };
+        let columns: Vec<Vec<f32>> = self.sources.iter().map(|source| at.column(source)).collect();
+        let points = (0..batch.invocation_count()).map(|k| columns.iter().map(|column| column[k]).collect());
         points.filter(|point: &Vec<f32>| point.iter().all(|x| x.is_finite())).collect()
     }
 
     /// Points at the ends of ranges, at 0 and at 1: one input there, or two.
     pub(super) fn special(&self) -> Vec<Vec<f32>> {
         let mut points = self.draw(1 << 40, SPECIAL);
+        // What stands for each component of a vector in turn goes with the others.
+        if self.sources.iter().any(|source| matches!(source, Source::Drawn { terms, .. } if terms.len() > 1)) {
+            return points;
+        }
         let ranges: Vec<[f32; 2]> = (0..self.sources.len()).map(|leaf| range(&points, leaf)).collect();
         let width = self.sources.len();
         for (k, point) in points.iter_mut().enumerate() {
@@ -101,7 +132,7 @@ impl<'a> Drawer<'a> {
         let source = &self.sources[leaf];
         let Some(input) = self.stated(source) else { return (low..=high).contains(&x) };
         // One component of a vector of length 1 has no value of its own.
-        let lone = matches!(input.laws[..], [crate::fuzz::Law::Within(_)]);
+        let lone = matches!(input.laws[..], [Law::Within(_)]);
         lone && input.interval().is_some_and(|interval: Interval| interval.contains(f64::from(x)))
     }
 
@@ -110,7 +141,8 @@ impl<'a> Drawer<'a> {
         let taken = self.ready.realistic.taken_for(self.domain);
         let of = |(leaf, source): (usize, &Source)| {
             let taken_for = match source {
-                Source::Any(_) => leaves[leaf].opaque.clone(),
+                Source::Any(..) => leaves[leaf].opaque.clone(),
+                Source::Drawn { from, .. } => Some(from.clone()),
                 Source::Word { of_case, field, .. } => {
                     let before = if *of_case { self.domain.invocation.len() } else { 0 };
                     taken.get(before + field).copied().flatten().map(str::to_owned)
@@ -128,21 +160,62 @@ fn range(points: &[Vec<f32>], leaf: usize) -> [f32; 2] {
     [values().fold(f32::INFINITY, f32::min), values().fold(f32::NEG_INFINITY, f32::max)]
 }
 
-fn value(source: &Source, batch: &Batch, k: usize, stream: &mut Stream) -> f32 {
-    match source {
-        Source::Word { of_case, word, .. } => {
-            f32::from_bits(if *of_case { batch.case_of(k) } else { batch.invocation(k) }[*word])
-        }
-        Source::Any([low, high]) => {
-            let part = (stream.bits() >> 40) as f32 / (1u64 << 24) as f32;
-            low + (high - low) * part
+/// Samples, of which leaves take their values.
+struct At<'a> {
+    batch: &'a Batch,
+    key: u64,
+    first: u64,
+}
+
+impl At<'_> {
+    /// The values of a leaf.
+    fn column(&self, source: &Source) -> Vec<f32> {
+        let count = self.batch.invocation_count();
+        match source {
+            Source::Word { of_case, word, .. } => {
+                let bits = |k| if *of_case { self.batch.case_of(k) } else { self.batch.invocation(k) }[*word];
+                (0..count).map(|k| f32::from_bits(bits(k))).collect()
+            }
+            Source::Any([low, high], own) => {
+                let mut stream = Stream::new(mix(self.key ^ own, self.first));
+                let mut part = || (stream.bits() >> 40) as f32 / (1u64 << 24) as f32;
+                (0..count).map(|_| low + (high - low) * part()).collect()
+            }
+            Source::Drawn { terms, sources, .. } => {
+                let points = Points::of_columns(sources.iter().map(|source| self.column(source)).collect());
+                let columns: Vec<Vec<f32>> = terms.iter().map(|term| ::improve::run(term, &points)).collect();
+                (0..count).map(|k| columns[k % columns.len()][k]).collect()
+            }
         }
     }
 }
 
+/// Whether the text of an input is a vector of length 1.
+pub(super) fn is_unit(ready: &Ready, domain: &Domain, text: &str) -> bool {
+    let taken = ready.realistic.taken_for(domain);
+    let kernel = &ready.kernel;
+    let inputs = domain.invocation.iter().chain(&domain.case).zip(taken);
+    let fields = kernel.invocation.fields().iter().chain(kernel.case.fields());
+    let mut named = fields.zip(inputs).filter(|(field, _)| field.name == text);
+    named.any(|(_, (input, taken))| input.has(Law::Normalised) || taken == Some(DIRECTION))
+}
+
 fn source(ready: &Ready, leaf: &Leaf) -> Source {
+    if let Some(Drawn { terms, leaves }) = &leaf.drawn {
+        let mut from: Vec<&str> = Vec::new();
+        for leaf in leaves {
+            let name = leaf.of.as_ref().map_or(leaf.text.as_str(), |of| of.vector.as_str());
+            if !from.contains(&name) {
+                from.push(name);
+            }
+        }
+        let from = format!("what follows from {}", from.join(", "));
+        let sources = leaves.iter().map(|leaf| source(ready, leaf)).collect();
+        return Source::Drawn { terms: terms.clone(), sources, from };
+    }
+    let own = leaf.text.bytes().fold(0x1eaf_u64, |key, byte| mix(key, u64::from(byte)));
     if let Some(why) = &leaf.opaque {
-        return Source::Any(if why.contains("texture") || why.contains("texel") { TEXEL } else { UNKNOWN });
+        return Source::Any(if why.contains("texture") || why.contains("texel") { TEXEL } else { UNKNOWN }, own);
     }
     let find = |record: &Record, of_case: bool| {
         let all = record.fields().iter().enumerate();
@@ -153,7 +226,7 @@ fn source(ready: &Ready, leaf: &Leaf) -> Source {
         found.map(|(field, word)| Source::Word { of_case, word, field })
     };
     let kernel = &ready.kernel;
-    find(&kernel.invocation, false).or_else(|| find(&kernel.case, true)).unwrap_or(Source::Any(UNKNOWN))
+    find(&kernel.invocation, false).or_else(|| find(&kernel.case, true)).unwrap_or(Source::Any(UNKNOWN, own))
 }
 
 /// The word that a text behind the name of a field means: nothing, a component, an index.
