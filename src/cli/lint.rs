@@ -3,6 +3,8 @@
 pub(super) mod config;
 pub(super) mod diff;
 pub(super) mod files;
+#[cfg(feature = "run")]
+mod formula;
 pub(super) mod groups;
 mod known;
 mod modules;
@@ -21,7 +23,7 @@ use clap::{Args, ValueEnum};
 use crate::cli::status::ExitStatus;
 use crate::cli::{LangName, StageName};
 use base::diagnostic::{Diagnostic, Lang, Safety, Severity};
-use base::text::{Encoding, Shown};
+use base::text::{Edit, EditList, Encoding, Shown, SourceFile};
 use disk::fresh;
 use lint::fix::{FixedFile, Outcome};
 use lint::{Input, Level};
@@ -50,7 +52,8 @@ pub struct LintArgs {
     /// Print the repairs as a patch; write nothing
     #[arg(long)]
     pub diff: bool,
-    /// With --fix or --diff: run each repaired shader before and after, and tell how far its outputs move
+    /// Look for better formulas where rules about numbers speak, prove them, and offer them as repairs; with --fix or --diff
+    /// also run each repaired shader before and after, and tell how far its outputs move
     #[arg(long)]
     pub prove: bool,
     /// Stage of the shader files that are named, where their endings do not say it or say another
@@ -139,9 +142,6 @@ pub fn run(args: &LintArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     if args.unsafe_fixes && !args.fix && !args.diff {
         anyhow::bail!("--unsafe-fixes only widens --fix or --diff; add one of them");
     }
-    if args.prove && !args.fix && !args.diff {
-        anyhow::bail!("--prove compares what --fix or --diff changes; add one of them");
-    }
     if args.prove && cfg!(not(feature = "run")) {
         anyhow::bail!("--prove runs shaders, which this program was built without; build it with the feature `run`");
     }
@@ -166,7 +166,8 @@ pub fn run(args: &LintArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     } else if args.fix {
         session.fix()?
     } else {
-        let found = session.groups.run(&session.loaded.inputs);
+        let mut found = session.groups.run(&session.loaded.inputs);
+        session.offer(&mut found);
         session.report(found)?
     };
     let found = status == ExitStatus::Findings && args.exit_zero;
@@ -197,7 +198,7 @@ impl Session<'_> {
     fn diff(&mut self) -> anyhow::Result<ExitStatus> {
         let found = self.groups.run(&self.loaded.inputs);
         let found = self.unknown(found)?;
-        let outcome = self.groups.fix(&self.loaded.inputs, safety(self.args));
+        let outcome = self.repaired()?;
         for file in &outcome.files {
             self.out.write_all(diff::unified(file).as_bytes())?;
             let name = file.before.name();
@@ -214,7 +215,7 @@ impl Session<'_> {
 
     /// Writes repairs, and reports what is left.
     fn fix(&mut self) -> anyhow::Result<ExitStatus> {
-        let outcome = self.groups.fix(&self.loaded.inputs, safety(self.args));
+        let outcome = self.repaired()?;
         self.refusals(&outcome)?;
         self.prove(&outcome)?;
         let mut written: Vec<&FixedFile> = Vec::new();
@@ -239,6 +240,66 @@ impl Session<'_> {
 
     fn refusals(&mut self, outcome: &Outcome) -> std::io::Result<()> {
         outcome.refused.iter().try_for_each(|refusal| writeln!(self.err, "warning: {refusal}"))
+    }
+
+    /// Findings get the formulas that are proved to be better, where `--prove` asks for them.
+    #[cfg(feature = "run")]
+    fn offer(&self, found: &mut [Diagnostic]) {
+        for input in self.loaded.inputs.iter().filter(|input| self.args.prove && input.reported) {
+            let Some(path) = self.loaded.path(input.file.name()) else { continue };
+            let mut own: Vec<&mut Diagnostic> =
+                found.iter_mut().filter(|d| d.file.name() == input.file.name()).collect();
+            formula::offer(path, &input.file, &mut own);
+        }
+    }
+
+    /// Without what runs shaders nothing is proved.
+    #[cfg(not(feature = "run"))]
+    fn offer(&self, _: &mut [Diagnostic]) {}
+
+    /// The repaired files: better formulas first, where `--prove` asks for them, then what rules repair themselves.
+    fn repaired(&mut self) -> anyhow::Result<Outcome> {
+        let mut inputs = self.loaded.inputs.clone();
+        let mut found = if self.args.prove { self.groups.run(&inputs) } else { Vec::new() };
+        found.iter_mut().for_each(|d| d.fix = None);
+        self.offer(&mut found);
+        let mut improved = 0;
+        for input in &mut inputs {
+            let mut edits = EditList::new();
+            let mut taken: Vec<&Edit> = Vec::new();
+            for diagnostic in found.iter().filter(|d| d.file.name() == input.file.name()) {
+                let new = diagnostic.fix.iter().flat_map(|fix| &fix.edits).filter(|edit| !taken.contains(edit));
+                for edit in new.collect::<Vec<_>>() {
+                    edits.push(edit.clone());
+                    taken.push(edit);
+                    writeln!(self.err, "{}", self.told(diagnostic))?;
+                    improved += 1;
+                }
+            }
+            if !edits.is_empty() {
+                let changed = edits.apply(input.file.text()).map_err(|error| anyhow::anyhow!("{error}"))?;
+                *input = input.with_file(SourceFile::new(input.file.name(), changed.text.as_str()));
+            }
+        }
+        let mut outcome = self.groups.fix(&inputs, safety(self.args));
+        outcome.applied += improved;
+        for (own, input) in self.loaded.inputs.iter().zip(&inputs) {
+            if own.file.text() == input.file.text() {
+                continue;
+            }
+            let name = own.file.name();
+            match outcome.files.iter_mut().find(|file| file.before.name() == name) {
+                Some(file) => file.before = own.file.clone(),
+                None => outcome.files.push(FixedFile { before: own.file.clone(), after: input.file.clone() }),
+            }
+        }
+        Ok(outcome)
+    }
+
+    /// A line about a formula that is written.
+    fn told(&self, diagnostic: &Diagnostic) -> String {
+        let title = diagnostic.fix.as_ref().map_or("", |fix| fix.title.in_lang(self.lang));
+        format!("{}: {}: {title}", diagnostic.file.locate(diagnostic.span.start), diagnostic.code.0)
     }
 
     /// Without what runs shaders there is nothing to compare with.

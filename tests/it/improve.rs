@@ -55,6 +55,55 @@ fn sound_twins_are_left_alone() {
     assert_eq!(report["status"], "clean", "{report}");
 }
 
+/// The first proposal of each function with how much it loses less, and its text.
+fn proposals(report: &Value, functions: &[&str]) -> Vec<String> {
+    let best = |function: &&str| {
+        let one = expression(report, function);
+        let best = &one["proposals"][0];
+        assert!(mean(best) < 0.75 * mean(one), "{one}");
+        best["text"].as_str().unwrap().to_owned()
+    };
+    functions.iter().map(best).collect()
+}
+
+#[test]
+fn wgsl_is_improved_in_its_own_words() {
+    let (ran, folder) = improved("formulas.wgsl --fix --format json");
+    let report = ran.expect(0).json();
+    let functions = ["mercator_y", "haversine", "root_step", "far", "direction_of", "angle_between", "nearer"];
+    let texts = proposals(&report, &functions);
+    assert!(!texts.iter().any(|text| text.contains('?')), "{texts:?}");
+    assert!(texts[3].contains("length(a / ") && texts[4].contains("length(v / "), "{texts:?}");
+    assert!(texts[5].contains("atan2(length(cross(u, w)), dot(u, w))"), "{texts:?}");
+    assert!(texts[6].contains("dot(p - q, p + q)"), "{texts:?}");
+    // What was written compiles, and means the same.
+    let own = root().join("fixtures/improve/formulas.wgsl");
+    fs::copy(own, folder.path().join("own.wgsl")).unwrap();
+    let equal = "--function far --function direction_of --function nearer";
+    run_in(folder.path(), &format!("compare own.wgsl formulas.wgsl {equal} --lane embedded --samples 512")).expect(0);
+    let (sound, _) = improved("sound.wgsl --format json");
+    assert_eq!(sound.expect(0).json()["status"], "clean");
+}
+
+#[test]
+fn vectors_of_glsl_get_better_formulas() {
+    let (ran, folder) = improved("vectors.glsl --fix --format json");
+    let report = ran.expect(0).json();
+    let texts = proposals(&report, &["apart", "directionOf", "byRoot", "angleBetween", "further"]);
+    assert!(texts[0].contains("length((a - b) / ") && texts[1].starts_with("v / "), "{texts:?}");
+    assert!(texts[3].contains("length(cross(u, ") && texts[4].contains("dot(q - p, q + p)"), "{texts:?}");
+    let own = root().join("fixtures/improve/vectors.glsl");
+    fs::copy(own, folder.path().join("own.glsl")).unwrap();
+    let equal = "--function apart --function byRoot --function further";
+    run_in(folder.path(), &format!("compare own.glsl vectors.glsl {equal} --lane embedded --samples 512")).expect(0);
+}
+
+#[test]
+fn halves_are_left_alone_and_told() {
+    let ran = improved("halves.wgsl").0.expect(0);
+    assert!(ran.out.contains("`step_of` was not looked at: it has numbers of `f16`"), "{}", ran.out);
+}
+
 #[test]
 fn nothing_is_written_without_fix_and_a_fixed_file_has_nothing_left() {
     let (ran, folder) = improved("formulas.glsl --function growth");
@@ -89,6 +138,31 @@ fn poles_textures_and_branches_are_told() {
     assert!(textured["inputs"].to_string().contains("texture"), "{textured}");
     assert!(textured["proposals"][0]["text"].as_str().unwrap().contains("texture("), "{textured}");
     assert!(!expression(&report, "branched")["proposals"].as_array().unwrap().is_empty());
+}
+
+#[test]
+fn lint_offers_what_is_proved_and_writes_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "#version 450\n// shadercheck: x in [-0.5, 0.5]\nfloat versine(float x) {\n    float y = 1.0 - cos(x);\n    return y;\n}\n";
+    fs::write(folder.path().join("curve.glsl"), text).unwrap();
+    let found = run_in(folder.path(), "lint curve.glsl --level strict --select N022 --prove --lang en");
+    let out = found.out;
+    assert!(out.contains("equal in real numbers at ") && out.contains("the bound of a device is 0."), "{out}");
+    let patch = run_in(folder.path(), "lint curve.glsl --level strict --select N022 --prove --diff --lang en");
+    assert!(
+        patch.out.contains("-    float y = 1.0 - cos(x);") && patch.err.contains("equal in real numbers"),
+        "{}",
+        patch.err
+    );
+    assert_eq!(fs::read_to_string(folder.path().join("curve.glsl")).unwrap(), text);
+    run_in(folder.path(), "lint curve.glsl --level strict --select N022 --prove --fix --lang en").expect(0);
+    let changed = fs::read_to_string(folder.path().join("curve.glsl")).unwrap();
+    assert!(changed.contains("float y = ") && !changed.contains("cos(x)"), "{changed}");
+    // What loses nothing over its range keeps the repair of the rule, which is not proved.
+    let wide = "#version 450\n// shadercheck: x in [1.5, 2]\nfloat versine(float x) {\n    return 1.0 - cos(x);\n}\n";
+    fs::write(folder.path().join("curve.glsl"), wide).unwrap();
+    let found = run_in(folder.path(), "lint curve.glsl --level strict --select N022 --prove --lang en");
+    assert!(!found.out.contains("equal in real numbers"), "{}", found.out);
 }
 
 #[test]
