@@ -10,7 +10,7 @@ use anyhow::{Context, Result, bail};
 use base::text::SourceFile;
 use chapter::SUITES;
 use engine::adversary::Strategy;
-use engine::suite::run::soundness::{Request, Row, check};
+use engine::suite::run::soundness::{Request, Row, check, halved};
 use engine::suite::run::{Prepared, prepare};
 use engine::suite::{load, parse};
 
@@ -32,8 +32,12 @@ fn main() -> ExitCode {
 /// Prints what came out; gives the number of wrong accusations.
 fn run() -> Result<u64> {
     let (request, files) = request(std::env::args().skip(1))?;
-    let suites =
-        if files.is_empty() { suites()? } else { files.iter().map(|path| read(path)).collect::<Result<_>>()? };
+    let half = request.lowered;
+    let suites = if files.is_empty() {
+        suites(half)?
+    } else {
+        files.iter().map(|path| read(path, half)).collect::<Result<_>>()?
+    };
     let start = Instant::now();
     let found = check(&suites, &request, &mut |done| {
         eprintln!("{done} of {} samples, {:.0} s", request.samples, start.elapsed().as_secs_f64());
@@ -108,27 +112,32 @@ fn request(arguments: impl Iterator<Item = String>) -> Result<(Request, Vec<Path
             files.push(PathBuf::from(argument));
             continue;
         }
+        if argument == "--half" {
+            request.lowered = true;
+            continue;
+        }
         let value = arguments.next().with_context(|| format!("`{argument}` needs a value"))?;
         let number = value.parse().with_context(|| format!("`{argument} {value}` is no number"))?;
         match argument.as_str() {
             "--samples" => request.samples = number,
             "--seed" => request.seed = number,
-            _ => bail!("there is no option `{argument}`; options are --samples N and --seed N"),
+            _ => bail!("there is no option `{argument}`; options are --samples N, --seed N and --half"),
         }
     }
     Ok((request, files))
 }
 
-/// A suite of a file, in whatever language its shader is.
-fn read(path: &Path) -> Result<Prepared> {
+/// A suite of a file, in whatever language its shader is; with `half` in GLSL, whose numbers are `mediump`.
+fn read(path: &Path, half: bool) -> Result<Prepared> {
     let loaded = load(path)?;
-    Ok(prepare(&loaded.suite, &loaded.shader)?)
+    Ok(if half { halved(&loaded.suite, &loaded.shader)? } else { prepare(&loaded.suite, &loaded.shader)? })
 }
 
-fn suites() -> Result<Vec<Prepared>> {
+fn suites(half: bool) -> Result<Vec<Prepared>> {
     let ready = SUITES.iter().map(|suite| {
         let parsed = parse(&SourceFile::new(suite.path, suite.toml)).with_context(|| suite.path.to_owned())?;
-        Ok(prepare(&parsed, &SourceFile::new(suite.shader_name, suite.shader_text))?)
+        let shader = SourceFile::new(suite.shader_name, suite.shader_text);
+        Ok(if half { halved(&parsed, &shader)? } else { prepare(&parsed, &shader)? })
     });
     ready.collect()
 }

@@ -2,11 +2,12 @@
 
 use base::text::SourceFile;
 use engine::adversary::{Fault, Strategy};
-use engine::suite::run::soundness::{Request, Soundness, check};
+use engine::suite::run::soundness::{Request, Soundness, check, halved};
 use engine::suite::run::{Prepared, prepare};
 use engine::suite::{load, parse, search, shipped};
 use judge::profile::{Op, by_name};
 use judge::tape::{Model, Tape};
+use judge::verdict::Oracle;
 use lanes::Stage;
 use program::interp::{self, Binary64, FUEL, Machine, OutputColumn, SLOTS};
 use property::Sampler;
@@ -76,6 +77,81 @@ fn no_conforming_device_is_accused_by_what_is_written_in_wgsl() {
     let mut request = Request::new(50_000, 9);
     request.fault = Some(Fault { op: Op::Sin, factor: 4.0 });
     assert!(check(&suites, &request, &mut |_| {}).unwrap().violations() > 0, "a fault beyond the promise");
+}
+
+/// The chapter's suites with `mediump` numbers, and a shader that mixes precisions.
+fn halves() -> Vec<Prepared> {
+    let chapter = shipped().map(|suite| (suite.path, suite.toml, suite.shader_name, suite.shader_text));
+    let all = chapter.chain([("mixed.suite.toml", MIXED_SUITE, "mixed.vert", MIXED)]);
+    let ready = all.map(|(path, toml, name, text)| {
+        halved(&parse(&SourceFile::new(path, toml)).unwrap(), &SourceFile::new(name, text)).unwrap()
+    });
+    ready.collect()
+}
+
+const MIXED: &str = "#version 310 es
+in float x;
+in highp float y;
+in lowp vec3 colour;
+out float sum;
+out float squared;
+out float wave;
+out vec3 shaded;
+out float chosen;
+out highp float whole;
+void main() {
+    highp float wide = y * 3.0;
+    sum = wide + x;
+    squared = (x - 0.5) * (x + 0.5) / (abs(x) + 0.25);
+    wave = sin(x) * exp2(-abs(x)) + fract(x);
+    shaded = normalize(vec3(x, 0.5, 1.0)) * colour + 0.125;
+    chosen = 0.0;
+    for (int i = 0; i < 3; ++i) chosen += x > 0.3 ? x * float(i) : mix(x, 0.5, 0.25);
+    whole = y * y - wide;
+    gl_Position = vec4(sum);
+}
+";
+
+const MIXED_SUITE: &str = "suite = \"mixed\"
+shader = \"mixed.vert\"
+stage = \"vertex\"
+samples = 4096
+relations = [{ kind = \"even\", inputs = [\"y\"], outputs = [\"wave\"] }]
+[[inputs]]
+names = [\"x\", \"y\"]
+generator = \"interval\"
+range = [-8.0, 8.0]
+[[inputs]]
+names = [\"colour\"]
+generator = \"interval\"
+range = [0.0, 1.0]
+";
+
+#[test]
+fn no_device_that_keeps_its_promises_of_mediump_is_accused_and_others_are() {
+    let mut suites = halves();
+    assert_eq!(suites.len(), 15);
+    let mut request = Request::new(300_000, 4);
+    request.lowered = true;
+    let found = check(&suites, &request, &mut |_| {}).unwrap();
+    assert_eq!(found.violations(), 0, "{}", complaints(&found));
+    let judged_on = |found: &Soundness, k: usize| -> u64 {
+        found.rows.iter().filter(|row| row.suite == k).map(|row| row.judged).sum()
+    };
+    let known = (0..suites.len()).filter(|&k| judged_on(&found, k) > 1000).count();
+    assert!(known >= 8 && found.judged() > 50_000, "{known} suites, {} samples", found.judged());
+    // A fault beyond the promise of one operation.
+    request.samples = 100_000;
+    request.fault = Some(Fault { op: Op::Mul, factor: 4.0 });
+    let faulty = check(&suites, &request, &mut |_| {}).unwrap();
+    assert!(faulty.violations() > 100, "{}", faulty.violations());
+    // A bound that is too tight: that of binary32.
+    request.fault = None;
+    for suite in &mut suites {
+        suite.lowered = Some(Oracle::new(&suite.program).unwrap());
+    }
+    let wrong = check(&suites, &request, &mut |_| {}).unwrap();
+    assert!(wrong.violations() > 1000, "{}", wrong.violations());
 }
 
 const TINY: &str = "#version 150

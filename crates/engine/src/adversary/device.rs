@@ -162,6 +162,11 @@ impl Device {
         let size = exact.abs().min(limit / 2.0);
         let reach = lowered::error(grade, op, argument, [2.0 * size.max(1.0), size]);
         let interval = Interval { lo: exact - reach, hi: exact + reach };
+        if let Some(fault) = self.fault.filter(|fault| Some(fault.op) == op)
+            && let Some(wrong) = beyond(interval, exact, fault.factor, choice.is_upward())
+        {
+            return wrong as f32;
+        }
         let found = halved(choice.within(interval, exact) as f32);
         // Half a step of binary16 is always allowed.
         if interval.contains(f64::from(found)) { found } else { halved(x) }

@@ -1,6 +1,7 @@
 //! What the tape remembers: one node for each operation on a chunk of slots, its columns side by side.
 
 use crate::profile::Op;
+use program::Grade;
 use program::interp::{Mask, SLOTS, Site};
 
 /// One binary64 number for each slot.
@@ -53,10 +54,9 @@ pub(super) struct Meta {
 }
 
 impl Meta {
-    /// True for what stays as it is written on every device: it is `precise`, or of a lower precision, where regrouping
-    /// is not followed.
+    /// True for what stays as it is written on every device: it is `precise`.
     pub(super) fn is_kept(&self) -> bool {
-        self.site.is_some_and(|site| site.is_precise() || site.grade() != program::Grade::Full)
+        self.site.is_some_and(Site::is_precise)
     }
 
     /// True for sums, products and selections that rearrangement may regroup.
@@ -156,6 +156,8 @@ pub(super) struct Arena {
     /// For rearrangement: the value with all terms positive, and the number of roundings.
     pub size: Pool,
     pub roundings: Pool,
+    /// For rearrangement: the lowest precision of what is regrouped together.
+    pub grades: Vec<Grade>,
     /// For rearrangement: the largest value on any way to this one.
     pub peak: Pool,
     /// For rearrangement: the smallest product of some of its factors.
@@ -180,6 +182,7 @@ impl Arena {
             masks,
             size,
             roundings,
+            grades,
             peak,
             least,
             part,
@@ -188,6 +191,7 @@ impl Arena {
         nodes.clear();
         *slopes = 0;
         masks.clear();
+        grades.clear();
         // Columns past these are given back.
         exact.truncate(KEPT);
         for pool in [value, radius, local, partials, size, roundings, peak, least, part, terms] {

@@ -3,8 +3,38 @@
 use super::Tape;
 use super::arena::{Id, NodeKind, Slots};
 use super::kernels::carried_by_product;
+use super::lowered::{LARGEST, LOWP, SMALLEST, STEP};
 use crate::profile::grid::{MAX_FINITE, MIN_NORMAL};
-use program::interp::{Mask, SLOTS};
+use program::Grade;
+use program::interp::{Mask, SLOTS, Site};
+
+/// What one operation of a regrouped sum or product may be off by.
+struct Steps {
+    /// As part of its result.
+    unit: f64,
+    /// What is smaller may be taken for 0: 0 where nothing is.
+    flush: f64,
+    /// The same, whether it is or not; and what is larger may be infinite.
+    least: f64,
+    most: f64,
+    /// Beside the part of the result, for `lowp`.
+    own: f64,
+}
+
+impl Steps {
+    fn new(grade: Grade, unit: f64, flushes: bool) -> Self {
+        match grade {
+            Grade::Full => {
+                let flush = if flushes { MIN_NORMAL } else { 0.0 };
+                Self { unit, flush, least: MIN_NORMAL, most: MAX_FINITE, own: 0.0 }
+            }
+            Grade::Medium | Grade::Low => {
+                let own = if grade == Grade::Low { LOWP } else { 0.0 };
+                Self { unit: STEP, flush: SMALLEST, least: SMALLEST, most: LARGEST, own }
+            }
+        }
+    }
+}
 
 impl Tape<'_> {
     /// For rearrangement: the size of all terms, and how many roundings any order of them takes.
@@ -19,14 +49,15 @@ impl Tape<'_> {
         // Number of terms of a sum, and roundings of the worst of them.
         let (terms, heights) = (2 * at, 2 * at + 1);
         self.arena.roundings.reach(heights);
-        let unit = self.model.unit();
+        // What is kept as it is written is one term for what comes after.
+        let meta = self.arena.nodes[at];
+        let kind = if meta.is_kept() { NodeKind::Leaf } else { meta.kind };
+        let steps = Steps::new(self.regrouped_at(id, kind), self.model.unit(), self.model.flushes());
+        let unit = steps.unit;
         let (earlier, size) = self.arena.size.split(at);
         let (counts, height) = self.arena.roundings.split(heights);
         let mut term = [1.0; SLOTS];
         let of = |x: Id| (counts.get(2 * x as usize), counts.get(2 * x as usize + 1));
-        // What is kept as it is written is one term for what comes after.
-        let meta = self.arena.nodes[at];
-        let kind = if meta.is_kept() { NodeKind::Leaf } else { meta.kind };
         match kind {
             NodeKind::Leaf | NodeKind::One { .. } | NodeKind::Two { .. } => {
                 let (v, e) = (self.arena.value.get(at), self.arena.radius.get(at));
@@ -38,6 +69,9 @@ impl Tape<'_> {
                 let (sa, sb) = (earlier.get(a as usize), earlier.get(b as usize));
                 if signs.1 == 0.0 {
                     (*size, term, *height) = (*sa, *ta, *ha);
+                    // The same number at a lower precision is rounded once more.
+                    let again = f64::from(u8::from(super::lowered::is_lower(meta.site)));
+                    number::wide(|| height.iter_mut().for_each(|height| *height += again));
                 } else {
                     number::wide(|| {
                         for slot in 0..SLOTS {
@@ -78,12 +112,12 @@ impl Tape<'_> {
             self.off_by_terms(at, kind);
         }
         if kind.is_polynomial() {
-            let lost = self.lost_inside(kind);
+            let lost = self.lost_inside(kind, steps.least);
             let height = self.arena.roundings.get(heights);
             let (size, peak, part) = (self.arena.size.get(at), self.arena.peak.get(at), self.arena.part.get(at));
             let value = self.arena.value.get(at);
             let radius = self.arena.radius.get_mut(at);
-            let flush = if self.model.flushes() { MIN_NORMAL } else { 0.0 };
+            let Steps { flush, least, most, own: absolute, .. } = steps;
             let mut own = [0.0; SLOTS];
             number::wide(|| {
                 for slot in 0..SLOTS {
@@ -92,14 +126,14 @@ impl Tape<'_> {
                     let relative = count * unit;
                     // Each result may be flushed, and each term as an argument before that; where factors are distributed
                     // over sums, also a part of a term, and its other factors come after.
-                    let after = if part[slot] < MIN_NORMAL { size.max(peak) } else { size };
-                    let flushed = (count + term) * flush * (1.0 + after);
+                    let after = if part[slot] < least { size.max(peak) } else { size };
+                    let flushed = (count + term) * (flush + absolute) * (1.0 + after);
                     // One operation has one order: its result is rounded, whatever its terms are worth.
                     let size = if count > 1.0 { size } else { value[slot].abs() + radius[slot] };
                     // γ_n = n·u/(1 − n·u); flushed terms keep their size.
                     let error = relative / (1.0 - relative).max(0.5) * size + flushed;
                     // The terms themselves may be too large, whatever their sum is.
-                    let lost = (lost[slot] != 0.0) | (peak + error > MAX_FINITE);
+                    let lost = (lost[slot] != 0.0) | (peak + error > most);
                     own[slot] = if lost { f64::INFINITY } else { error };
                     radius[slot] += own[slot];
                 }
@@ -113,6 +147,25 @@ impl Tape<'_> {
                 number::wide(|| (0..SLOTS).for_each(|slot| radius[slot] = terms[slot] + own[slot]));
             }
         }
+    }
+
+    /// The lowest precision of a sum or product and of those that are regrouped with it: an operation on another order of
+    /// their terms may have it.
+    fn regrouped_at(&mut self, id: Id, kind: NodeKind) -> Grade {
+        let at = id as usize;
+        let own = self.arena.nodes[at].site.map_or(Grade::Full, Site::grade);
+        let of = |x: Id| self.arena.grades.get(x as usize).copied().unwrap_or_default();
+        let grade = match kind {
+            NodeKind::Leaf | NodeKind::One { .. } | NodeKind::Two { .. } => Grade::Full,
+            NodeKind::Sum { a, b, signs } => own.min(of(a)).min(if signs.1 == 0.0 { Grade::Full } else { of(b) }),
+            NodeKind::Product { a, b } => own.min(of(a)).min(of(b)),
+            NodeKind::Select { a, b, .. } => of(a).min(of(b)),
+        };
+        if self.arena.grades.len() <= at {
+            self.arena.grades.resize(at + 1, Grade::Full);
+        }
+        self.arena.grades[at] = grade;
+        grade
     }
 
     /// What the terms of a sum or product are off by, each by itself.
@@ -145,7 +198,7 @@ impl Tape<'_> {
     /// or some factors of a product give one that a device may flush to zero. What a regrouped whole errs
     /// by does not say that.
     /// 1 there, and 0 elsewhere.
-    fn lost_inside(&self, kind: NodeKind) -> Slots {
+    fn lost_inside(&self, kind: NodeKind, smallest: f64) -> Slots {
         let parts = match kind {
             NodeKind::Sum { a, b, signs } => [a, if signs.1 == 0.0 { a } else { b }],
             NodeKind::Product { a, b } => [a, b],
@@ -168,7 +221,7 @@ impl Tape<'_> {
                     let ((x, lx), (y, ly)) = ((a.0[slot].abs(), a.1[slot]), (b.0[slot].abs(), b.1[slot]));
                     // All factors together are the product itself, which may be flushed as any result.
                     let some = if (lx < x) | (ly < y) { lx * ly } else { f64::INFINITY };
-                    let small = (x != 0.0) & (y != 0.0) & (lx.min(ly).min(some) < MIN_NORMAL);
+                    let small = (x != 0.0) & (y != 0.0) & (lx.min(ly).min(some) < smallest);
                     lost[slot] = if small { 1.0 } else { lost[slot] };
                 }
             });

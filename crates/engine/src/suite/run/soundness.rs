@@ -9,14 +9,19 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::adversary::{Adversary, Fault, Strategy};
+use base::text::{Assembly, SourceFile, Span};
 use judge::profile::{Flush, Profile, Promises, by_name};
-use judge::verdict::{Deviation, JudgeContext, Reason, Used, judge_batch, used};
+use judge::verdict::{Deviation, JudgeContext, Oracle, Reason, Used, judge_batch, used};
 use lanes::{LaneError, Stage};
 use program::interp::SLOTS;
+use program::{Manners, ProgramError};
 use property::{Sample, Sampler, mix};
+use syntax::Shader;
+use syntax::precision::Precisions;
 
-use super::Prepared;
 use super::trial::Trial;
+use super::{Prepared, RunError};
+use crate::suite::Suite;
 
 /// Most samples of one suite on one lane: the next ones are judged on lanes with other seeds, which
 /// rearrange in another way.
@@ -38,14 +43,39 @@ pub struct Request {
     pub strategies: Vec<Strategy>,
     /// A fault in every lane.
     pub fault: Option<Fault>,
+    /// Lanes do what is `mediump` as badly as GLSL ES and Vulkan allow, and are judged by that: suites as of [`halved`].
+    pub lowered: bool,
 }
 
 impl Request {
     /// All strategies, by Vulkan, its conformance suite, WGSL and strict binary32.
     pub fn new(samples: u64, seed: u64) -> Self {
         let profiles = ["vulkan-1.4", "vulkan-cts", "wgsl", "binary32"].into_iter().filter_map(by_name).collect();
-        Self { samples, seed, profiles, strategies: Strategy::ALL.to_vec(), fault: None }
+        Self { samples, seed, profiles, strategies: Strategy::ALL.to_vec(), fault: None, lowered: false }
     }
+}
+
+/// A suite whose shader has `mediump` numbers wherever it states no precision.
+///
+/// # Errors
+/// As of [`prepare`](super::prepare).
+pub fn halved(suite: &Suite, shader: &SourceFile) -> Result<Prepared, RunError> {
+    let mut text = Assembly::new();
+    let start = shader.text().find("#version").and_then(|at| Some(at + shader.text()[at..].find('\n')? + 1));
+    text.copy(shader, Span::new(0, start.unwrap_or(0)));
+    text.insert("precision mediump float;\n", shader, start.unwrap_or(0));
+    text.copy(shader, Span::new(start.unwrap_or(0), shader.text().len()));
+    let file = text.finish(shader.name());
+    let mut prepared = super::prepare(suite, &file)?;
+    let parsed = Shader::parse(&prepared.program.file, suite.stage.of_text().unwrap_or(syntax::Stage::Library));
+    let manners = Manners::by(&parsed.shader, &Precisions::stated(&parsed.shader));
+    prepared.program.manners = Arc::new(manners);
+    let wrong = |source| RunError::Program { suite: suite.name.clone(), source };
+    prepared.compute = prepared.program.compute_kernel().map_err(wrong)?;
+    let oracle = Oracle::lowered(&prepared.program);
+    prepared.lowered =
+        Some(oracle.map_err(|error| wrong(ProgramError::Unsupported { what: error.locate(&prepared.program) }))?);
+    Ok(prepared)
 }
 
 /// How a lane behaves.
@@ -60,6 +90,8 @@ pub struct Behaviour {
     pub strategy: Strategy,
     /// Whether it regroups sums and products.
     pub rearranges: bool,
+    /// Whether it does what is `mediump` in less than binary32.
+    pub lowers: bool,
 }
 
 impl Behaviour {
@@ -72,9 +104,9 @@ impl Behaviour {
                     continue;
                 }
                 for &strategy in strategies {
-                    all.push(Self { profile, stage, strategy, rearranges: false });
+                    all.push(Self { profile, stage, strategy, rearranges: false, lowers: false });
                     if profile.rearrangement {
-                        all.push(Self { profile, stage, strategy, rearranges: true });
+                        all.push(Self { profile, stage, strategy, rearranges: true, lowers: false });
                     }
                 }
             }
@@ -174,7 +206,10 @@ impl Soundness {
 /// # Errors
 /// [`LaneError`] when a lane refuses a shader or fails.
 pub fn check(suites: &[Prepared], request: &Request, progress: &mut dyn FnMut(u64)) -> Result<Soundness, LaneError> {
-    let behaviours = Behaviour::all(&request.profiles, &request.strategies);
+    let behaviours: Vec<Behaviour> = Behaviour::all(&request.profiles, &request.strategies)
+        .into_iter()
+        .map(|behaviour| Behaviour { lowers: request.lowered, ..behaviour })
+        .collect();
     let jobs: Vec<(usize, Behaviour)> =
         (0..suites.len()).flat_map(|suite| behaviours.iter().map(move |&behaviour| (suite, behaviour))).collect();
     let mut soundness = Soundness::default();
@@ -216,8 +251,11 @@ fn run(
     samples: u64,
     fault: Option<Fault>,
 ) -> Result<(Row, Vec<Violation>), LaneError> {
-    let Behaviour { profile, stage, strategy, rearranges } = behaviour;
+    let Behaviour { profile, stage, strategy, rearranges, lowers } = behaviour;
     let mut lane = Adversary::lane(&behaviour.device(), stage, strategy, seed, rearranges);
+    if lowers {
+        lane = lane.lowering();
+    }
     if let Some(fault) = fault {
         lane = lane.with_fault(fault);
     }
@@ -229,7 +267,9 @@ fn run(
     let mut trial = Trial::with_capacity(prepared, &lane, &prepared.compute, &promises, count)?;
     let actual = trial.run(&batch)?;
     // The lane runs the compute form whatever the stage is whose rules it follows.
-    let context = JudgeContext { stage, ..trial.context() };
+    let own = trial.context();
+    let oracle = prepared.lowered.as_ref().filter(|_| lowers).unwrap_or(own.oracle);
+    let context = JudgeContext { stage, oracle, ..own };
     let verdict = judge_batch(&context, &batch, &actual);
     let violations = verdict.failures.iter().map(|failure| {
         let deviation = failure.deviation.clone();
