@@ -1,5 +1,7 @@
 //! N023: a test for NaN or infinity that a compiler may leave out.
 
+mod cut;
+
 use crate::project::ShaderFile;
 use crate::range::key;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
@@ -48,6 +50,24 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
             "ビットで調べてください: NaN なら `(floatBitsToUint(x) & 0x7fffffffu) > 0x7f800000u`",
         ),
     };
+    for (id, _) in shader.arena().iter() {
+        let Some(what) = cut::relied_on(shader, id).filter(|_| !matches!(shader.expr(id).kind, ExprKind::Paren(_)))
+        else {
+            continue;
+        };
+        let found = findings
+            .at(&file.file, shader.expr(id).span, what)
+            .with_label(message!(
+                "relies on which operand is given for NaN",
+                "NaN のときどちらの引数が返るかに頼っています"
+            ))
+            .with_why(why_cut(shader))
+            .with_help(message!(
+                "keep the argument of the function in its domain, such as `sqrt(max(x, 0.0))`",
+                "`sqrt(max(x, 0.0))` のように、関数の引数を定義域に収めてください"
+            ));
+        findings.push(found);
+    }
     for (id, what) in found.iter().filter(|(id, _)| !inside(id)) {
         findings.push(
             findings
@@ -73,6 +93,20 @@ fn why(shader: &Shader) -> Message {
             "GLSL does not require NaN to be generated or kept, and `precise` does not change that: a compiler may take the \
              answer for known",
             "GLSL は NaN の生成も保持も要求せず、`precise` でも変わりません。コンパイラは答えを既知とみなせます"
+        )
+    }
+}
+
+fn why_cut(shader: &Shader) -> Message {
+    if shader.wgsl().is_some() {
+        message!(
+            "WGSL lets an implementation assume that there is no NaN, and give either operand where one is",
+            "WGSL の処理系は NaN がないものと仮定でき、NaN のときはどちらの引数を返してもかまいません"
+        )
+    } else {
+        message!(
+            "GLSL leaves the result of `min`, `max` and `clamp` undefined where an operand is NaN: devices give either",
+            "GLSL では引数が NaN のときの `min`、`max`、`clamp` の結果は未定義で、装置によって異なります"
         )
     }
 }
@@ -231,7 +265,41 @@ mod tests {
     }
 
     #[test]
+    fn what_only_nan_is_cut_by_is_found() {
+        rings(
+            "N023",
+            Level::Strict,
+            &[
+                "r = max(sqrt(s), 0.0);",
+                "r = max(0.0, inversesqrt(s));",
+                "r = clamp(acos(s), 0.0, 3.14159265);",
+                "r = max(pow(s, t), 0.0);",
+                "v = clamp(normalize(p), -1.0, 1.0);",
+                "v = max(sqrt(p), vec3(0.0));",
+                "r = min(s / t, 3.4e38);",
+            ],
+        );
+        silent(
+            "N023",
+            Level::Heuristic,
+            &[
+                "r = max(sqrt(s), 0.1);",
+                "r = sqrt(max(s, 0.0));",
+                "r = max(sqrt(max(s, 0.0)), 0.0);",
+                "r = max(dot(p, q), 0.0);",
+                "r = clamp(acos(s), 0.0, 1.0);",
+                "r = max(s, 0.0);",
+                "r = clamp(log(s), 0.0, 3.4e38);",
+                "r = max(sqrt(dot(p, p)), 0.0);",
+                "r = min(sqrt(s), 1.0);",
+            ],
+        );
+    }
+
+    #[test]
     fn wgsl_is_read_too() {
+        let cut = "fn f(x: f32) -> f32 { return max(inverseSqrt(x), 0.0); }\n";
+        assert_eq!(strict_count(super::RULE.code, "a.wgsl", cut), 1);
         let text = "fn is_nan(x: f32) -> bool { return x != x; }\n";
         assert_eq!(strict_count(super::RULE.code, "a.wgsl", text), 1);
         let bits = "fn is_nan(x: f32) -> bool { return (bitcast<u32>(x) & 0x7fffffffu) > 0x7f800000u; }\n";
