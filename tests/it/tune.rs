@@ -72,6 +72,30 @@ fn what_is_too_low_is_raised() {
 }
 
 #[test]
+fn a_sampler_of_data_is_a_cause_and_one_of_colours_is_not() {
+    let report = tuned("data.frag --format json").0.expect(1).json();
+    assert!(high(&report).contains(&"sampler u_heights"), "{report}");
+    assert!(!high(&report).contains(&"sampler u_tint"), "{report}");
+    let patch = report["files"][0]["patch"].as_str().unwrap();
+    assert!(
+        patch.contains("+uniform highp sampler2D u_heights;") && !patch.contains("sampler2D u_tint;\n+"),
+        "{patch}"
+    );
+}
+
+#[test]
+fn coordinates_that_a_vertex_stage_hands_on_stay_highp() {
+    let arguments = "coordinates.vert --error 0.01 --viewport 64x64 --format json";
+    let report = tuned(arguments).0.expect(1).json();
+    assert!(high(&report).contains(&"output v_uv") && high(&report).contains(&"uv"), "{report}");
+    assert!(!high(&report).contains(&"output v_tint"), "{report}");
+    assert_eq!(declaration(&report, "output v_uv")["texels"], 2048);
+    // Of small textures the error that is stated decides.
+    let report = tuned(&format!("{arguments} --texture-size 64")).0.json();
+    assert!(!high(&report).contains(&"output v_uv"), "{report}");
+}
+
+#[test]
 fn what_cannot_be_tuned_is_said() {
     let says = |arguments: &str, text: &str| {
         let (ran, _) = tuned(arguments);

@@ -8,6 +8,7 @@ use base::value::{Field, Scalar, Shape};
 use property::generators::{self, Options};
 
 pub use usage::{Usage, Usages, Uses};
+pub use words::TEXTURE_COORDINATES;
 pub(crate) use words::of as words_of;
 
 /// A guess: a generator, its range where it takes one, and why.

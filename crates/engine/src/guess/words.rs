@@ -3,7 +3,8 @@
 use super::{Guess, guess};
 
 pub(super) const COLOUR: &str = "a colour";
-pub(super) const TEXTURE_COORDINATES: &str = "texture coordinates";
+/// What texture coordinates are taken for.
+pub const TEXTURE_COORDINATES: &str = "texture coordinates";
 pub(super) const TIME: &str = "a time";
 pub(super) const SHARE: &str = "a share";
 pub(super) const SIZE: &str = "a size";

@@ -2,11 +2,13 @@
 
 use std::collections::{BTreeSet, HashMap};
 
-use syntax::Shader;
+use crate::guess::{self, Role, TEXTURE_COORDINATES};
+use base::value::Field;
 use syntax::ast::{BinaryOp, ExprId, ExprKind, UnaryOp};
 use syntax::interface::Storage;
 use syntax::symbols::{CallTarget, SymbolId, SymbolKind};
 use syntax::types::{OpaqueKind, TextureDim, Type};
+use syntax::{Shader, Stage};
 
 /// Texels that a number of 11 bits between 0 and 1 tells apart: its step is 2^-10 of it.
 pub const TOLD_APART: u32 = 1024;
@@ -38,7 +40,25 @@ pub fn coordinates(shader: &Shader, declared: &[(SymbolId, ExprId)]) -> BTreeSet
             finder.carries(*at, 0);
         }
     }
+    // A vertex stage hands coordinates on: what takes them is in another text, and their name says so.
+    for (_, expr) in shader.arena().iter().filter(|_| shader.stage() == Stage::Vertex) {
+        if let ExprKind::Assign { target, value, .. } = &expr.kind
+            && let Some(symbol) = shader.symbol_of(*target)
+            && is_handed_on(shader, symbol)
+            && finder.carries(*value, 0)
+        {
+            finder.found.insert(symbol);
+        }
+    }
     finder.found
+}
+
+/// True for an output of two numbers or more whose name says that it is a coordinate of textures.
+fn is_handed_on(shader: &Shader, symbol: SymbolId) -> bool {
+    let own = shader.symbol(symbol);
+    let (SymbolKind::Global(Storage::Out), Some(shape)) = (&own.kind, own.ty.shape()) else { return false };
+    let field = Field { name: own.name.clone(), shape };
+    shape.words() > 1 && guess::of(&field, Role::Varying).taken_for == TEXTURE_COORDINATES
 }
 
 struct Finder<'s> {

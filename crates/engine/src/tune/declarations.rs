@@ -24,6 +24,8 @@ pub struct Declaration {
     pub now: Option<Precision>,
     /// It carries the coordinate of a texel.
     pub coordinate: bool,
+    /// It is a sampler: what is read from it has this precision.
+    pub sampler: bool,
     /// Where a word goes that states one: before the type, here and in each prototype.
     places: Vec<Place>,
     /// What it declares.
@@ -45,8 +47,6 @@ pub struct Declarations {
     default: Option<(Span, Precision)>,
     /// Something that is not among these takes the default.
     pinned: bool,
-    /// Samplers without a precision of their own, or of `lowp`.
-    samplers: Vec<Place>,
 }
 
 /// The word of a precision.
@@ -63,7 +63,7 @@ impl Declarations {
     pub fn of(shader: &Shader, file: &SourceFile, entry: FunctionId, precisions: &Precisions) -> Self {
         let reached = shader.reachable(entry);
         let used = shader.used_by(&reached).into_iter().collect();
-        let own = Self { all: Vec::new(), default: None, pinned: false, samplers: Vec::new() };
+        let own = Self { all: Vec::new(), default: None, pinned: false };
         let mut finder = Finder { shader, file, precisions, used, own, given: Vec::new() };
         finder.unit(&reached);
         let carried = coordinates(shader, &finder.given);
@@ -82,7 +82,6 @@ impl Declarations {
             let wanted = if *high { Precision::High } else { Precision::Medium };
             declaration.places.iter().for_each(|place| edits.push(place.edit(wanted)));
         }
-        self.samplers.iter().for_each(|place| edits.push(place.edit(Precision::Medium)));
         applied(file, &edits)
     }
 
@@ -94,7 +93,7 @@ impl Declarations {
             let differs = |(one, wanted): (&Declaration, &Option<Precision>)| {
                 let has = match one.places.first().and_then(|place| place.stated) {
                     Some(_) => one.now,
-                    None if default.is_some() => default,
+                    None if default.is_some() && !one.sampler => default,
                     None => one.now,
                 };
                 has != *wanted
@@ -266,16 +265,17 @@ impl Finder<'_> {
         let symbol = self.shader.symbol(first);
         let now = self.precisions.of_symbol(first);
         if is_sampler(&symbol.ty) {
-            let place = self.place(&declaration.qualifiers, &declaration.ty);
-            // What is stated to be more than `lowp` stays.
+            // What is stated to be more than `lowp` stays: only its author knows what the texture holds.
             let low = declaration.qualifiers.precision().is_none_or(|(precision, _)| precision == Precision::Low);
-            self.own.samplers.extend(place.filter(|_| low));
-        }
-        if !is_real(&symbol.ty) {
+            if !low || self.place(&declaration.qualifiers, &declaration.ty).is_none() {
+                return;
+            }
+        } else if !is_real(&symbol.ty) {
             return;
         }
         let names: Vec<&str> = declaration.declarators.iter().map(|one| one.name.name.as_str()).collect();
         let storage = match symbol.kind {
+            _ if is_sampler(&symbol.ty) => "sampler ",
             SymbolKind::Global(Storage::Uniform) => "uniform ",
             SymbolKind::Global(Storage::In) => "input ",
             SymbolKind::Global(Storage::Out) => "output ",
@@ -318,7 +318,9 @@ impl Finder<'_> {
         };
         places.dedup();
         let (file, span) = self.shader.file().origin(at);
-        self.own.all.push(Declaration { what, at: file.locate(span.start), now, coordinate: false, places, symbols });
+        let sampler = symbols.iter().any(|symbol| is_sampler(&self.shader.symbol(*symbol).ty));
+        let at = file.locate(span.start);
+        self.own.all.push(Declaration { what, at, now, coordinate: false, sampler, places, symbols });
     }
 }
 

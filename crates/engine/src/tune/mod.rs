@@ -167,7 +167,7 @@ pub fn run(
         return Err("functions of desktop GLSL are tuned as part of their stage: give the file with `main`".to_owned());
     }
     let declarations = Declarations::of(shader, file, entry, &Precisions::stated(shader));
-    if declarations.all.is_empty() {
+    if declarations.all.iter().all(|one| one.sampler) {
         return Err("nothing to tune: no declaration in this file holds floating-point numbers".to_owned());
     }
     let record = &ready.kernel.output.vertex;

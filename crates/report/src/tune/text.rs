@@ -58,6 +58,9 @@ fn one(text: &mut String, file: &FileReport, color: bool) {
                 "    it is a coordinate of textures: of {size} texels (--texture-size) `mediump` tells less than 1024 apart"
             );
         }
+        if row.declaration.sampler {
+            text.push_str("    what is read from it has its precision, which is `lowp` by default: enough for 8 bits of a colour\n");
+        }
         row.shown.iter().for_each(|found| shown(text, found));
     }
     proof(text, report);
