@@ -10,14 +10,15 @@ use base::text::SourceFile;
 use base::value::{Batch, Field, Record, Shape};
 use engine::suite::Suite;
 use engine::suite::run::{Case, FindingKind, Prepared, Report};
-use judge::verdict::diagnosis::Origin;
+use judge::verdict::diagnosis::{self, Origin, Suspected};
 use judge::verdict::{
-    Blame, Deviation, JudgeContext, Literals, Oracle, Reason, Reference, Verdict, dependences, judge_each,
+    Blame, Deviation, JudgeContext, Literals, Oracle, Reason, Reference, Verdict, dependences, judge_batch, judge_each,
 };
 use lanes::{Actual, Api, Description, Lane, LaneError, Runner, Stage, embedded};
 use program::interp::{Dependence, Laws};
 use program::lower::Target;
 use program::{Kernel, Program};
+use property::{Sample, Sampler};
 
 use crate::support::{changed, replaced, report};
 
@@ -151,6 +152,32 @@ fn sums_in_another_order_are_told_from_other_faults() {
     // The same device is right by a promise that allows it.
     let allowing = check(&right, &regrouped, text(vulkan()));
     assert_eq!(allowing.verdicts.deviated, 0, "{:?}", allowing.findings);
+}
+
+/// A shader without the word `precise`, by a profile that allows another order: what another order explains is not laid on
+/// a `precise` that was lost.
+#[test]
+fn another_order_that_is_allowed_is_no_lost_precise() {
+    let strict = by_name("binary32").unwrap();
+    let right = replaced("two_bones", "", "");
+    let device = Adversary::lane(strict, Stage::Compute, Strategy::Random, 1, false).with_laws(Laws::Order);
+    let batch = Sampler::new(right.plan.clone(), 1).batch(0, 256, 4);
+    let actual = device.prepare(&right.compute, batch.invocation_count()).unwrap().run(&batch).unwrap();
+    let by = [text(strict), text(vulkan())];
+    let context =
+        |promises| JudgeContext { oracle: &right.oracle, reference: &right.reference, promises, stage: Stage::Compute };
+    let verdict = judge_batch(&context(&by[0]), &batch, &actual);
+    let failure = verdict.failures.first().expect("another order shows in strict binary32");
+    let alone = Sample::batch(&[Sample::of(&batch, failure.invocation)]);
+    let suspected = Suspected {
+        lane: &device,
+        stage: Stage::Compute,
+        kernel: &Program::compute_kernel,
+        batch: &alone,
+        deviation: &failure.deviation,
+    };
+    let origins = by.each_ref().map(|by| diagnosis::lane(&context(by), &right.program, &suspected).unwrap().origin);
+    assert_eq!(origins, [Some(Origin::Rearrangement), Some(Origin::Miscompilation)]);
 }
 
 /// Verdicts on the embedded lane for single samples of a shipped suite.
