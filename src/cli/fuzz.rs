@@ -126,7 +126,7 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
         .collect::<anyhow::Result<Vec<_>>>()?
         .into_iter()
         .flatten()
-        .map(|source| source.with_prelude(super::prelude(args.prelude.as_deref())).assuming(defines))
+        .map(|source| source.with_prelude(super::prelude(args.prelude.as_deref())).assuming(&args.input.define))
         .collect();
     let printed = sources.iter().find(|s| s.printed);
     if let Some(printed) = printed.filter(|_| args.write_suite) {

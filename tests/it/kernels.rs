@@ -176,6 +176,35 @@ const TWINS: [(&str, &str, &str); 16] = [
     ("skinning_first", "skinning.suite.toml[N=1]", "the shader deviates from its reference: `skinned[0]"),
 ];
 
+/// A kernel that a build makes for each type and width: the last step of its sum lacks a barrier where `LAST` is 1.
+const BUILT: &str = "#version 450\nlayout(local_size_x = WIDTH) in;\n\
+    layout(binding = 0) readonly buffer A { ELEMENT a[]; };\nlayout(binding = 1) buffer B { ELEMENT b[]; };\n\
+    shared float part[WIDTH];\nvoid main() {\n  uint k = gl_LocalInvocationIndex;\n  part[k] = float(a[k % a.length()]);\n\
+    barrier();\n  for (uint n = WIDTH / 2; n > LAST; n >>= 1) {\n    if (k < n) { part[k] += part[k + n]; }\n    barrier();\n  }\n\
+    if (k == 0u) { b[0] = ELEMENT(part[0] + (LAST == 1 ? part[1] : 0.0)); }\n}\n";
+
+#[test]
+fn macros_of_a_build_are_assumed_and_told() {
+    let run = |text: &str, arguments: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("sum.comp"), text).unwrap();
+        run_in(folder.path(), &format!("fuzz sum.comp --lane embedded --samples 16 {arguments}"))
+    };
+    let right = BUILT.replace("LAST", "0u");
+    let ran = run(&right, "").expect(0);
+    assert!(ran.err.contains("note: assumed --define WIDTH=32 --define ELEMENT=float: "), "{ran:?}");
+    // What is stated is not assumed.
+    let ran = run(&right, "--define WIDTH=8 --define ELEMENT=uint").expect(0);
+    assert!(!ran.err.contains("assumed"), "{ran:?}");
+    let wrong = right.replacen("    barrier();\n  }", "  }", 1);
+    let ran = run(&wrong, "").expect(1);
+    assert!(ran.out.contains("race"), "{ran:?}");
+    // A command that shows it again says what was assumed.
+    assert!(ran.out.contains("--define WIDTH=32 --define ELEMENT=float"), "{ran:?}");
+    // A slip of the pen is no macro of a build.
+    run(&right.replacen("part[k] = float(a", "part[k] = float(aa", 1), "").expect(1);
+}
+
 #[test]
 fn suites_of_kernels_find_each_wrong_twin() {
     for (twin, suite, reported) in TWINS {

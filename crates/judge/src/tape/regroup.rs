@@ -3,7 +3,7 @@
 use super::Tape;
 use super::arena::{Id, NodeKind, Slots};
 use super::kernels::carried_by_product;
-use super::lowered::{LARGEST, LOWP, SMALLEST, STEP};
+use super::lowered::{LOWP, SMALLEST, STEP, largest};
 use crate::profile::grid::{MAX_FINITE, MIN_NORMAL};
 use program::Grade;
 use program::interp::{Mask, SLOTS, Site};
@@ -28,9 +28,9 @@ impl Steps {
                 let flush = if flushes { MIN_NORMAL } else { 0.0 };
                 Self { unit, flush, least: MIN_NORMAL, most: MAX_FINITE, own: 0.0 }
             }
-            Grade::Medium | Grade::Low => {
+            Grade::Medium | Grade::Half | Grade::Low => {
                 let own = if grade == Grade::Low { LOWP } else { 0.0 };
-                Self { unit: STEP, flush: SMALLEST, least: SMALLEST, most: LARGEST, own }
+                Self { unit: STEP, flush: SMALLEST, least: SMALLEST, most: largest(grade), own }
             }
         }
     }
