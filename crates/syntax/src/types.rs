@@ -100,6 +100,8 @@ pub struct OpaqueType {
     pub shadow: bool,
     /// `…MS`
     pub multisampled: bool,
+    /// `texture2D`: texels without a sampler (GL_KHR_vulkan_glsl), of the kind `Sampler`.
+    pub separate: bool,
 }
 
 impl OpaqueType {
@@ -122,6 +124,7 @@ impl OpaqueType {
                 arrayed: false,
                 shadow: false,
                 multisampled: false,
+                separate: false,
             });
         }
         let (scalar, rest) = match name.as_bytes().first()? {
@@ -160,17 +163,23 @@ impl OpaqueType {
             arrayed,
             shadow,
             multisampled,
+            separate: false,
         })
     }
 }
 
 impl OpaqueType {
-    /// What a texture without a sampler is read as, such as `utexture3D` (GL_KHR_vulkan_glsl): the sampler with the
-    /// same texels.
+    /// A texture without a sampler, such as `utexture3D` (GL_KHR_vulkan_glsl).
     pub fn of_texture(name: &str) -> Option<Self> {
         let at = name.find("texture").filter(|at| *at <= 1)?;
         let name = format!("{}sampler{}", &name[..at], &name[at + "texture".len()..]);
-        Self::from_name(&name).filter(|ty| !ty.shadow)
+        Self::from_name(&name).filter(|ty| !ty.shadow).map(|ty| Self { separate: true, ..ty })
+    }
+
+    /// The sampler with the same texels, as which built-in functions take a texture without a sampler.
+    #[must_use]
+    pub fn sampled(self) -> Self {
+        Self { separate: false, ..self }
     }
 }
 
@@ -178,6 +187,7 @@ impl fmt::Display for OpaqueType {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let base = match self.kind {
             OpaqueKind::AtomicCounter => return f.write_str("atomic_uint"),
+            OpaqueKind::Sampler if self.separate => "texture",
             OpaqueKind::Sampler => "sampler",
             OpaqueKind::Image => "image",
         };

@@ -14,7 +14,7 @@ fn all_types(kind: OpaqueKind) -> Vec<OpaqueType> {
         for dim in DIMS {
             for flags in 0..8 {
                 let (arrayed, shadow, multisampled) = (flags & 1 != 0, flags & 2 != 0, flags & 4 != 0);
-                let ty = OpaqueType { kind, scalar, dim, arrayed, shadow, multisampled };
+                let ty = OpaqueType { kind, scalar, dim, arrayed, shadow, multisampled, separate: false };
                 // The spelling says which combinations exist.
                 if OpaqueType::from_name(&ty.to_string()) == Some(ty) {
                     all.push(ty);

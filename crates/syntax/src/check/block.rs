@@ -162,6 +162,8 @@ impl Checker<'_> {
             matches!(storage, Storage::In | Storage::Uniform) || member.list.iter().any(|q| q.kind == locked)
         };
         let index = self.out.interface.blocks.len();
+        // A type (GL_EXT_buffer_reference), so that its members are no names of the shader and the host binds nothing.
+        let reference = block.qualifiers.layout_entry("buffer_reference").is_some();
         let mut members = Vec::new();
         let mut fields: Vec<StructField> = Vec::new();
         let builtin_block = self.block_rules(block, storage);
@@ -196,14 +198,14 @@ impl Checker<'_> {
                 }
                 if let Some(first) = fields
                     .iter()
-                    .find(|f: &&StructField| f.name == name.name && block.instance.is_some())
+                    .find(|f: &&StructField| f.name == name.name && (block.instance.is_some() || reference))
                     .map(|f| f.span)
                 {
                     self.redefinition(&name, Some(first));
                 }
                 let runtime = storage == Storage::Buffer && at == last;
                 self.array_rules(&ty, declarator.span, false, runtime || !self.language.es());
-                let symbol = if block.instance.is_none() {
+                let symbol = if block.instance.is_none() && !reference {
                     let kind = SymbolKind::BlockMember(index);
                     let locked = read_only(&member.qualifiers) || read_only(&block.qualifiers);
                     let id = self.declare(&name, ty.clone(), kind, locked, None);
@@ -230,6 +232,9 @@ impl Checker<'_> {
         }
         let placed: Vec<(Type, &Qualifiers)> = members.iter().map(|m| (m.ty.clone(), &m.qualifiers)).collect();
         self.offset_rules(block, storage, &placed);
+        if reference {
+            return;
+        }
         let base = Type::Struct(Arc::new(StructType { name: block.name.name.clone(), fields, span: block.name.span }));
         let ty = self.dimensions(base, &block.dims);
         if block.dims.len() > 1 {

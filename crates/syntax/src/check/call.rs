@@ -249,7 +249,7 @@ impl Checker<'_> {
 
     fn function_call(&mut self, id: ExprId, name: &Ident, args: &[ExprId]) -> (Type, Option<Const>) {
         self.meeting(name);
-        let types: Vec<Type> = args.iter().map(|a| self.type_of(*a).clone()).collect();
+        let mut types: Vec<Type> = args.iter().map(|a| self.type_of(*a).clone()).collect();
         let user = self.functions.get(&name.name).cloned().unwrap_or_default();
         let mut candidates: Vec<Candidate> = user
             .iter()
@@ -277,6 +277,10 @@ impl Checker<'_> {
                 result: result.clone(),
                 user: None,
             }));
+            best = self::best(&candidates, &types, self.conversions);
+        }
+        if best.is_none() && types.iter().any(|ty| *ty != sampled(ty)) {
+            types = types.iter().map(sampled).collect();
             best = self::best(&candidates, &types, self.conversions);
         }
         if candidates.is_empty() {
@@ -522,6 +526,14 @@ fn is_better(one: &Candidate, other: &Candidate, types: &[Type]) -> bool {
     let ranks = |c: &Candidate| c.params.iter().zip(types).map(|(p, t)| rank(p, t)).collect::<Vec<_>>();
     let (a, b) = (ranks(one), ranks(other));
     a.iter().zip(&b).all(|(a, b)| a <= b) && a != b
+}
+
+/// The type as which a built-in function takes an argument: a texture without a sampler has the texels of one with it.
+fn sampled(ty: &Type) -> Type {
+    match ty {
+        Type::Opaque(opaque) => Type::Opaque(opaque.sampled()),
+        other => other.clone(),
+    }
 }
 
 /// True when the version has this form of a built-in function: those on unsigned integers, on `double`,

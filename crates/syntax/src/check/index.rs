@@ -3,10 +3,11 @@
 use super::super::ast::{ExprId, ExprKind, Ident, Literal};
 use super::super::errors;
 use super::super::fold::Const;
+use super::super::interface::Storage;
 use super::super::language::Feature;
 use super::super::types::{ArraySize, ScalarType, Type};
-use super::Checker;
 use super::expression::article;
+use super::{Checker, SymbolKind};
 use base::diagnostic::{Lang, Message, Safety, message};
 use base::text::{Edit, Span};
 
@@ -59,7 +60,7 @@ impl Checker<'_> {
             return;
         }
         match base_ty {
-            Type::Array(_, ArraySize::Unsized) if !self.runtime_sized(base) => {
+            Type::Array(_, ArraySize::Unsized) if !self.runtime_sized(base) && !self.bound_at_run_time(base) => {
                 self.sink.error(
                     errors::ARRAY,
                     span,
@@ -86,7 +87,7 @@ impl Checker<'_> {
     /// Before 4.00 an array of uniform blocks takes constant indices.
     fn block_index(&mut self, base: ExprId, span: Span) {
         let Some(symbol) = self.out.names[base.index()] else { return };
-        let super::SymbolKind::BlockInstance(_) = self.out.symbols[symbol.index()].kind else { return };
+        let SymbolKind::BlockInstance(_) = self.out.symbols[symbol.index()].kind else { return };
         let uniform = self.uniform_blocks.contains(&symbol);
         if uniform && !self.language.has(Feature::OpaqueIndex) {
             self.sink.error(
@@ -112,6 +113,14 @@ impl Checker<'_> {
                 _ => return false,
             }
         }
+    }
+
+    /// True for an array of resources without a size: how many there are is up to what the host binds
+    /// (GL_EXT_nonuniform_qualifier).
+    fn bound_at_run_time(&self, base: ExprId) -> bool {
+        let kind = self.out.names[base.index()].map(|symbol| self.out.symbols[symbol.index()].kind);
+        self.language.enabled("EXT_nonuniform_qualifier")
+            && matches!(kind, Some(SymbolKind::Global(Storage::Uniform) | SymbolKind::BlockInstance(_)))
     }
 
     /// The greatest constant index into an array whose size is not declared yet.

@@ -19,6 +19,11 @@ impl Checker<'_> {
                 ExprKind::Name(_) => return self.writable(at, expr.span),
                 ExprKind::Error => return true,
                 ExprKind::Paren(inner) => *inner,
+                // A reference to a buffer (GL_EXT_buffer_reference) has a type of an extension. What it points to may
+                // be written wherever the reference itself is kept.
+                ExprKind::Index { base, .. } | ExprKind::Field { base, .. } if self.type_of(*base).is_error() => {
+                    return true;
+                }
                 ExprKind::Index { base, index: _ } => *base,
                 ExprKind::Field { base, field } => {
                     let base_ty = self.type_of(*base);

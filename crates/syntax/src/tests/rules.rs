@@ -318,3 +318,53 @@ fn hints_of_control_flow_are_passed_over() {
     one(Stage::Fragment, &shader(on, "[[]]"), "E001 expected the name of an attribute, found `]`");
     one(Stage::Fragment, &shader("", "[[unroll]]"), "V010 `[[unroll]]` needs `GL_EXT_control_flow_attributes`");
 }
+
+/// What is told of a compute shader for Vulkan with these lines and this body.
+fn vulkan(head: &str, body: &str) -> Vec<String> {
+    let extensions = "#extension GL_EXT_buffer_reference : require\n#extension GL_EXT_nonuniform_qualifier : require\n\
+        #extension GL_EXT_samplerless_texture_functions : require\n";
+    let text = format!(
+        "#version 460\n{extensions}layout(local_size_x = 8) in;\nlayout(binding = 0) buffer D {{ uint d[]; }};\n{head}\n\
+         void main() {{ uint i = gl_LocalInvocationIndex; {body} }}\n"
+    );
+    let parsed = Shader::parse(&SourceFile::new("a.comp", text), Stage::Compute);
+    parsed.diagnostics.iter().map(|d| format!("{} {}", d.code, d.message)).collect()
+}
+
+#[test]
+fn a_buffer_reference_is_a_type_that_points_elsewhere() {
+    let keys = "layout(buffer_reference, std430) buffer Keys { uint keys[]; };\n";
+    let pushed = format!("{keys}layout(push_constant) uniform P {{ restrict Keys to; Keys all[2]; uint n; }} p;\n");
+    assert_eq!(vulkan(&pushed, "p.to.keys[i] = i; p.all[1].keys[i] += i; atomicAdd(p.to.keys[0], 1u);"), [""; 0]);
+    let open = format!("{keys}layout(push_constant) uniform P {{ Keys to; uint n; }};\n");
+    assert_eq!(vulkan(&open, "to.keys[i] = n;"), [""; 0]);
+    let locked = format!("{keys}layout(binding = 1) readonly buffer R {{ Keys to; uint n; }};\n");
+    assert_eq!(vulkan(&locked, "to.keys[i] = n;"), [""; 0]);
+    assert_eq!(vulkan(&open, "n = 1u;"), ["T018 `n` can only be read"], "the block itself stays");
+    let two = format!("{keys}layout(buffer_reference, std430) buffer Other {{ vec4 keys[]; }};\nuint keys = 1u;\n");
+    assert_eq!(vulkan(&two, "d[i] = keys;"), [""; 0], "members are no globals");
+    let twice = "layout(buffer_reference, std430) buffer A { uint x; vec4 x; };\n";
+    assert_eq!(vulkan(twice, ""), ["E024 `x` is declared twice in this scope"]);
+    let plain = "layout(binding = 1) buffer A { uint x; };\nlayout(binding = 2) buffer B { uint x; };\n";
+    assert_eq!(vulkan(plain, ""), ["E024 `x` is declared twice in this scope"]);
+}
+
+#[test]
+fn resources_without_a_sampler_and_without_a_size() {
+    let two = "layout(binding = 1) uniform usampler2D a;\nlayout(binding = 2) uniform utexture2D b;\n\
+        uint f(usampler2D t) { return texelFetch(t, ivec2(0), 0).x; }\nuvec2 f(utexture2D t) { return texelFetch(t, ivec2(0), 0).xy; }\n";
+    assert_eq!(vulkan(two, "d[i] = f(a) + f(b).y;"), [""; 0]);
+    assert_eq!(
+        vulkan(&format!("{two}uint f(utexture2D t) {{ return 1u; }}\n"), "").len(),
+        1,
+        "the same parameter twice"
+    );
+    let arrays = "layout(set = 1, binding = 0) uniform texture3D vols[];\nlayout(set = 1, binding = 1) uniform sampler smp;\n\
+        layout(set = 1, binding = 2) buffer B { uint x; } all[];\n";
+    let body = "d[i] = all[i].x + uint(textureLod(nonuniformEXT(sampler3D(vols[i], smp)), vec3(0.0), 0.0).x);";
+    assert_eq!(vulkan(arrays, body), [""; 0]);
+    assert_eq!(
+        vulkan("uint local[];\n", "d[i] = local[i];"),
+        ["E048 an array without a size takes constant indices only"]
+    );
+}

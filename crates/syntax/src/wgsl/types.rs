@@ -76,7 +76,15 @@ pub(super) fn with_component(name: &str, scalar: ScalarType) -> Option<Type> {
 
 /// A texture or sampler; the component type is that of its texels.
 pub(super) fn opaque(name: &str, texel: ScalarType) -> Option<OpaqueType> {
-    let of = |kind, dim| OpaqueType { kind, scalar: texel, dim, arrayed: false, shadow: false, multisampled: false };
+    let of = |kind, dim| OpaqueType {
+        kind,
+        scalar: texel,
+        dim,
+        arrayed: false,
+        shadow: false,
+        multisampled: false,
+        separate: false,
+    };
     if name == "sampler" || name == "sampler_comparison" {
         return Some(of(OpaqueKind::AtomicCounter, TextureDim::Buffer));
     }
