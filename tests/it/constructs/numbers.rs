@@ -146,6 +146,27 @@ fn bits_are_counted_packed_and_moved() {
 }
 
 #[test]
+fn integers_are_converted_where_the_other_kind_is_wanted() {
+    // `u` is a `uint`; an `int` beside it becomes one (GLSL 4.60, 4.1.10).
+    gives(
+        "",
+        "uint u = 1u; int k = 3; r = vec4(bitfieldInsert(u, k, 3, 5), bitfieldInsert(k, u, 0, 1), max(u, k), clamp(k, u, 2u));",
+        [25.0, 3.0, 3.0, 2.0],
+    );
+    gives(
+        "",
+        "uint carry; uint low; uint high; int k = 3; uint sum = uaddCarry(4294967295u, k, carry); umulExtended(65536u, 65536, high, low);
+         r = vec4(sum, carry, high, low);",
+        [2.0, 1.0, 1.0, 0.0],
+    );
+    gives(
+        "",
+        "int word = 0x3C004000; r = vec4(unpackHalf2x16(word), floatBitsToUint(1) == 0x3F800000u, isnan(word));",
+        [2.0, 1.0, 1.0, 0.0],
+    );
+}
+
+#[test]
 fn functions_of_numbers() {
     let x = 3.5_f64;
     gives(

@@ -138,6 +138,17 @@ impl Fun<'_, '_> {
         Ok(all)
     }
 
+    /// Whole numbers as `uint`.
+    fn words(&mut self, values: Vec<Val>) -> Result<Vec<Val>> {
+        values
+            .into_iter()
+            .map(|value| {
+                let from = value.ty.scalar().unwrap_or(ScalarType::Uint);
+                self.cast(value, from, ScalarType::Uint)
+            })
+            .collect()
+    }
+
     fn function_of_numbers(&mut self, function: F, ty: &Type, values: Vec<Val>, span: Span) -> Result<Val> {
         if let Some(value) = self.bits(function, &values)? {
             return Ok(value);
@@ -149,7 +160,13 @@ impl Fun<'_, '_> {
             let whole = matches!(function, F::Abs | F::Sign) && values[0].ty.scalar() == Some(ScalarType::Int);
             let words = matches!(fun, M::ReverseBits | M::Unpack4x8snorm | M::Unpack4x8unorm)
                 || matches!(fun, M::Unpack2x16snorm | M::Unpack2x16unorm | M::Unpack2x16float);
-            let values = if whole || words { values } else { self.floating(values)? };
+            // The packed word is a `uint`, to which an `int` is converted.
+            let values = match (fun, whole || words) {
+                (M::ReverseBits, _) => values,
+                (_, true) if words => self.words(values)?,
+                (_, true) => values,
+                (_, false) => self.floating(values)?,
+            };
             let e = self.math(fun, &[values[0].e]);
             return Ok(Val { e, ty: if ty.is_error() { values[0].ty.clone() } else { kept(ty, &values[0].ty, fun) } });
         }
@@ -235,8 +252,9 @@ impl Fun<'_, '_> {
             }
             F::Isnan | F::Isinf => {
                 let fun = if function == F::Isnan { RelationalFunction::IsNan } else { RelationalFunction::IsInf };
-                let e = self.add(Expression::Relational { fun, argument: values[0].e });
-                Ok(Val { e, ty: values[0].ty.with_scalar(ScalarType::Bool) })
+                let value = self.floating(values)?.remove(0);
+                let e = self.add(Expression::Relational { fun, argument: value.e });
+                Ok(Val { e, ty: value.ty.with_scalar(ScalarType::Bool) })
             }
             F::MatrixCompMult => {
                 let Type::Matrix(s, columns, rows) = values[0].ty else {
@@ -369,7 +387,6 @@ impl Fun<'_, '_> {
 
     /// Bits and integers (GLSL 4.60, 8.3 and 8.8).
     fn bits(&mut self, function: F, values: &[Val]) -> Result<Option<Val>> {
-        let first = values.first().map_or(Type::Void, |v| v.ty.clone());
         let value = match function {
             F::FloatBitsToInt | F::FloatBitsToUint | F::IntBitsToFloat | F::UintBitsToFloat => {
                 let to = match function {
@@ -377,8 +394,13 @@ impl Fun<'_, '_> {
                     F::FloatBitsToUint => ScalarType::Uint,
                     _ => ScalarType::Float,
                 };
-                let e = self.add(Expression::As { expr: values[0].e, kind: scalar(to).kind, convert: None });
-                Val { e, ty: first.with_scalar(to) }
+                // A whole number becomes a `float` first.
+                let value = match function {
+                    F::FloatBitsToInt | F::FloatBitsToUint => self.floating(vec![values[0].clone()])?.remove(0),
+                    _ => values[0].clone(),
+                };
+                let e = self.add(Expression::As { expr: value.e, kind: scalar(to).kind, convert: None });
+                Val { e, ty: value.ty.with_scalar(to) }
             }
             F::BitCount | F::FindLSB | F::FindMSB => {
                 let fun = match function {
@@ -386,18 +408,20 @@ impl Fun<'_, '_> {
                     F::FindLSB => M::FirstTrailingBit,
                     _ => M::FirstLeadingBit,
                 };
+                let first = values[0].ty.clone();
                 let e = self.math(fun, &[values[0].e]);
                 let from = first.scalar().unwrap_or(ScalarType::Int);
                 self.cast(Val { e, ty: first }, from, ScalarType::Int)?
             }
             F::BitfieldExtract | F::BitfieldInsert => {
                 let split = values.len() - 2;
-                let mut e: Vec<Expr> = values[..split].iter().map(|v| v.e).collect();
+                let parts = self.alike(values[..split].to_vec())?;
+                let mut e: Vec<Expr> = parts.iter().map(|v| v.e).collect();
                 for value in &values[split..] {
                     e.push(self.cast(value.clone(), ScalarType::Int, ScalarType::Uint)?.e);
                 }
                 let fun = if split == 1 { M::ExtractBits } else { M::InsertBits };
-                Val { e: self.math(fun, &e), ty: first }
+                Val { e: self.math(fun, &e), ty: parts[0].ty.clone() }
             }
             _ => return Ok(None),
         };
@@ -434,7 +458,9 @@ impl Fun<'_, '_> {
                 Ok(Some(Val { e: fraction, ty: value.ty }))
             }
             F::UaddCarry | F::UsubBorrow => {
-                let (x, y) = (self.expression(args[0])?, self.expression(args[1])?);
+                let values = vec![self.expression(args[0])?, self.expression(args[1])?];
+                let values = self.words(values)?;
+                let (x, y) = (&values[0], &values[1]);
                 let target = self.target(args[2])?;
                 let (op, compare) =
                     if function == F::UaddCarry { (B::Add, (None, x.e)) } else { (B::Subtract, (Some(x.e), y.e)) };
@@ -443,12 +469,16 @@ impl Fun<'_, '_> {
                 let over = self.op(B::Less, compare.0.unwrap_or(result), compare.1);
                 let carry = self.add(Expression::As { expr: over, kind: ScalarKind::Uint, convert: Some(4) });
                 self.store(&target, &Val { e: carry, ty: x.ty.clone() })?;
-                Ok(Some(Val { e: result, ty: x.ty }))
+                Ok(Some(Val { e: result, ty: x.ty.clone() }))
             }
             F::UmulExtended | F::ImulExtended => {
-                let (x, y) = (self.expression(args[0])?, self.expression(args[1])?);
+                let mut values = vec![self.expression(args[0])?, self.expression(args[1])?];
+                if function == F::UmulExtended {
+                    values = self.words(values)?;
+                }
+                let (x, y) = (&values[0], &values[1]);
                 let (high, low) = (self.target(args[2])?, self.target(args[3])?);
-                let (h, l) = self.wide_product(&x, &y)?;
+                let (h, l) = self.wide_product(x, y)?;
                 self.store(&high, &h)?;
                 self.store(&low, &l)?;
                 Ok(None)
