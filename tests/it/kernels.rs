@@ -29,7 +29,7 @@ fn told(report: &Value) -> Vec<(String, String, u64)> {
 }
 
 /// The wrong twins: the fault that each has, whether it fails the run, and a line that is named.
-const WRONG: [(&str, &str, bool, u64); 18] = [
+const WRONG: [(&str, &str, bool, u64); 20] = [
     // A barrier that is missing behind a step of the sum.
     ("sum.wgsl", "race", true, 21),
     // Elements behind the last one are not filled.
@@ -56,6 +56,10 @@ const WRONG: [(&str, &str, bool, u64); 18] = [
     ("select.wgsl", "index", true, 12),
     // One off in the guard of an array with nine elements for each of the dispatch.
     ("gradients.wgsl", "index", true, 20),
+    // A number of columns that is called padded leads around the barrier.
+    ("padded.comp", "divergence", true, 16),
+    // No barrier between the steps, in a workgroup whose size is a specialization constant.
+    ("specialized.comp", "race", true, 16),
     // Pairs overlap.
     ("sort.wgsl", "race", true, 18),
     // A barrier that is missing, between numbers of binary16.

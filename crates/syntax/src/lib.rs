@@ -35,6 +35,7 @@ mod tests;
 pub mod types;
 pub mod vanishing;
 pub mod wgsl;
+mod workgroup;
 
 use ast::{Arena, Expr, ExprId, Unit};
 use base::diagnostic::{Diagnostic, Severity};

@@ -232,6 +232,7 @@ impl Dispatched {
     fn uniform(&self, field: &Field, terms: &Terms, chosen: bool) -> Filled {
         let names = vec![field.name.clone()];
         let many = self.axes.len() > 1;
+        let last = field.name.rsplit('.').next().unwrap_or(&field.name);
         let counted = || words_of(&field.name).iter().any(|word| ["count", "num", "number"].contains(&word.as_str()));
         let whole = match field.shape.scalar {
             Scalar::I32 | Scalar::U32 => field.shape.array.is_none(),
@@ -245,6 +246,8 @@ impl Dispatched {
         };
         let expression = |component: &Option<u32>| {
             Some(match setting(&field.name, *component, many) {
+                // What is called padding and nothing else is as good as 0 to begin with.
+                _ if words_of(last).iter().all(|word| ["pad", "padding"].contains(&word.as_str())) => "0".to_owned(),
                 Setting::Zero => "0".to_owned(),
                 Setting::Groups => product(&terms.groups),
                 Setting::Along(axis) => terms.along.get(axis).cloned().unwrap_or_else(|| "1".to_owned()),

@@ -278,6 +278,10 @@ impl Dispatched {
             if !words.is_empty() {
                 let host = Host { items, groups, variant };
                 for leaf in &shape.fixed {
+                    // What nobody reads, such as padding, is no choice.
+                    if shape.space == Space::Uniform && !self.uses.reads(k as u32, leaf.offset) {
+                        continue;
+                    }
                     let chosen = host.fixed(shape, leaf, &mut stream);
                     words[leaf.offset as usize] = chosen;
                     if shape.space == Space::Uniform && leaf.scalar != Scalar::F32 {
@@ -360,7 +364,9 @@ pub(super) fn setting(name: &str, component: Option<u32>, many: bool) -> Setting
         let begins = is(&["offset", "start", "base", "first", "origin"]);
         return if begins { Setting::Zero } else { Setting::Along(component as usize) };
     }
-    if is(&["offset", "start", "base", "first", "begin", "origin", "pad", "padding"]) {
+    // A number of elements stays one where its name says from where they are counted as well.
+    let begins = is(&["offset", "start", "base", "first", "begin", "origin"]);
+    if begins && !words.last().is_some_and(|last| COUNTS.contains(&last.as_str())) {
         Setting::Zero
     } else if is(&["groups", "workgroups", "blocks", "partitions", "tiles"]) {
         Setting::Groups

@@ -176,7 +176,7 @@ fn one(shader: &Shader, target: &Target, run: bool) -> std::result::Result<(Prog
         quad: None,
         sites: HashMap::new(),
         stopping: HashSet::new(),
-        workgroup: workgroup(shader),
+        workgroup: shader.workgroup_size().unwrap_or([1; 3]),
     };
     let built = contain(|| build.run(target))
         .map_err(|panic| ProgramError::internal(format!("a module cannot be built: {panic}")))?;
@@ -232,15 +232,6 @@ fn used(mut bound: Vec<super::Texture>, info: &naga::valid::ModuleInfo, entry: E
     };
     bound.retain(|texture| !info[texture.image].is_empty());
     bound
-}
-
-fn workgroup(shader: &Shader) -> [u32; 3] {
-    let entry = |key: &str| {
-        let layouts = &shader.interface().stage_layouts;
-        let value = layouts.iter().find_map(|l| l.qualifiers.layout_entry(key))?.value?;
-        u32::try_from(shader.fold(value)?.as_integer()?).ok()
-    };
-    ["local_size_x", "local_size_y", "local_size_z"].map(|key| entry(key).unwrap_or(1))
 }
 
 fn naga_span(span: Span) -> naga::Span {

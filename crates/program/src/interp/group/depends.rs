@@ -59,6 +59,17 @@ pub struct Uses {
     pub lengths: HashSet<u32>,
     /// Memories on which atomic functions are used.
     pub atomics: HashSet<u32>,
+    /// Words that are read at a fixed place: the memory, and the distance from its beginning.
+    words: HashSet<(u32, u32)>,
+    /// Memories that are read by an index.
+    indexed: HashSet<u32>,
+}
+
+impl Uses {
+    /// False for a word of a memory that no instruction reads: it pads out a structure, or the program has no use for it.
+    pub fn reads(&self, memory: u32, word: u32) -> bool {
+        self.indexed.contains(&memory) || self.words.contains(&(memory, word))
+    }
 }
 
 #[derive(Default)]
@@ -118,6 +129,12 @@ impl Executable {
             }
             Inst::Memory(MemoryAccess { memory, atomic: true, .. }) => {
                 uses.atomics.insert(*memory);
+            }
+            Inst::Memory(MemoryAccess { memory, offset, steps, op: MemoryOp::Load(parts), .. }) => {
+                if !steps.is_empty() {
+                    uses.indexed.insert(*memory);
+                }
+                uses.words.extend(parts.iter().map(|(_, distance)| (*memory, offset + distance)));
             }
             _ => {}
         });
