@@ -30,6 +30,7 @@ mod select;
 mod suppress;
 #[cfg(test)]
 mod tests;
+mod uniformity;
 mod variants;
 mod version;
 mod wgsl;
@@ -113,7 +114,10 @@ fn run_rules_until(
     let mut all: Vec<(Level, Diagnostic)> = project
         .shaders()
         .filter(|s| s.reported)
-        .flat_map(|s| s.front_end.iter().filter(plain).map(|d| (front_end_level(&project, s, d), d.clone())))
+        .flat_map(|s| {
+            let own = s.front_end.iter().filter(plain).filter(|d| !(d.code == errors::INCLUDE && s.has_includes()));
+            own.map(|d| (front_end_level(&project, s, d), d.clone()))
+        })
         .collect();
     let asked = project.shaders().filter(|s| s.reported).flat_map(|s| &s.on_request);
     all.extend(asked.map(|d| (Level::Strict, d.clone())));

@@ -82,6 +82,9 @@ pub const RULES: &[&Rule] = &[
     &glsl::bytes_as_words::RULE,
     &glsl::index_of_idle_axis::RULE,
     &glsl::strides_of_two_shapes::RULE,
+    &glsl::barrier_in_divergent_flow::RULE,
+    &glsl::work_group_too_large::RULE,
+    &glsl::index_past_shared_array::RULE,
     // N. Numbers: domains of functions, precision, division by zero.
     &glsl::pow_negative_base::RULE,
     &glsl::pow_zero_exponent_zero::RULE,

@@ -1,16 +1,16 @@
-//! Which statements all invocations reach together (WGSL, section 15.2 "Uniformity"): entry points are followed with the
-//! variables whose value may differ from one invocation to the next.
+//! Which statements all invocations reach together: entry points are followed with the variables whose value may differ
+//! from one invocation to the next (WGSL, section 15.2 "Uniformity"; GLSL 4.60, section 8.16).
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
-use base::text::Span;
 use syntax::ast::{BinaryOp, Block, Callee, Condition, ExprId, ExprKind, Stmt, StmtKind};
 use syntax::interface::Storage;
 use syntax::symbols::{CallTarget, Direction, FunctionId, SymbolId, SymbolKind};
 use syntax::wgsl::{EntryPoint, Module};
 use syntax::{Shader, Stage};
 
-use super::{builtin_value, inputs, root};
+use crate::kernel::{Kernel, Split, Splits};
+use crate::wgsl::{builtin_value, inputs, root};
 
 /// Calls inside calls that are followed.
 const MOST_CALLS: usize = 12;
@@ -18,24 +18,62 @@ const MOST_CALLS: usize = 12;
 /// Statements and expressions that are looked at for one entry point.
 const MOST_STEPS: usize = 100_000;
 
+/// Why a value may differ from one invocation to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Varies(u8);
+
+impl Varies {
+    /// It does not.
+    const NOT: Self = Self(0);
+    /// It follows from the place of the invocation in the whole dispatch.
+    const DISPATCH: Self = Self(1);
+    /// It follows from its place in the work group or subgroup, from data, or from inputs of the stage.
+    const OTHER: Self = Self(2);
+
+    fn any(self) -> bool {
+        self != Self::NOT
+    }
+
+    /// True where nothing but the place in the whole dispatch makes the difference: a host that fills its work groups
+    /// can see to it that a guard holds for all of each.
+    pub fn by_dispatch_alone(self) -> bool {
+        self == Self::DISPATCH
+    }
+}
+
+impl std::ops::BitOr for Varies {
+    type Output = Self;
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl std::ops::BitOrAssign for Varies {
+    fn bitor_assign(&mut self, other: Self) {
+        self.0 |= other.0;
+    }
+}
+
 /// A call that all invocations must make together, and what parts them before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Parted {
     /// The call.
     pub call: ExprId,
     /// The condition that is not the same for all.
-    pub by: Span,
+    pub by: ExprId,
+    /// Why it is not.
+    pub why: Varies,
     /// True for a barrier, false for a derivative.
     pub barrier: bool,
 }
 
-/// Where the condition stands that parts invocations; none while they are together.
-type Reason = Option<Span>;
+/// The condition that parts invocations, and why; none while they are together.
+type Reason = Option<(ExprId, Varies)>;
 
 /// What differs between invocations.
 #[derive(Clone, Default, PartialEq)]
 struct State {
-    varying: BTreeSet<SymbolId>,
+    varying: BTreeMap<SymbolId, Varies>,
 }
 
 /// What jumps leave behind them.
@@ -49,15 +87,17 @@ struct Jumps {
 
 struct Walk<'s> {
     shader: &'s Shader,
+    /// What is known of conditions in a kernel in GLSL; in WGSL, what the language says holds.
+    splits: Option<&'s Splits>,
     state: State,
     jumps: Jumps,
-    result: bool,
+    result: Varies,
     calls: Vec<FunctionId>,
     steps: usize,
     found: BTreeSet<Parted>,
 }
 
-/// The calls of an entry point that invocations may not make together.
+/// The calls of an entry point that invocations may not make together, as WGSL has it.
 pub fn parted(shader: &Shader, module: &Module, entry: &EntryPoint) -> BTreeSet<Parted> {
     let mut state = State::default();
     for input in inputs(shader, module, entry.item) {
@@ -67,16 +107,21 @@ pub fn parted(shader: &Shader, module: &Module, entry: &EntryPoint) -> BTreeSet<
                 Some("workgroup_id" | "num_workgroups" | "subgroup_size" | "num_subgroups")
             );
         if !together {
-            state.varying.insert(input.param);
+            state.varying.insert(input.param, Varies::OTHER);
         }
     }
-    let calls = vec![entry.function];
-    let mut walk =
-        Walk { shader, state, jumps: Jumps::default(), result: false, calls, steps: 0, found: BTreeSet::new() };
-    if let Some(body) = body(shader, entry.function) {
-        walk.block(&body.statements, None);
+    Walk::new(shader, None, state, entry.function).run(entry.function)
+}
+
+/// The barriers of a kernel in GLSL to which invocations of a work group may not come together. Conditions that are shown
+/// to be the same for all of a group part nobody.
+pub fn parted_barriers(shader: &Shader, kernel: &Kernel, splits: &Splits) -> BTreeSet<Parted> {
+    let mut walk = Walk::new(shader, Some(splits), State::default(), kernel.function);
+    for variable in &shader.interface().globals {
+        let varies = variable.initializer.map_or(Varies::NOT, |value| walk.eval(value, None));
+        walk.set(variable.symbol, varies, true);
     }
-    if walk.steps > MOST_STEPS { BTreeSet::new() } else { walk.found }
+    walk.run(kernel.function)
 }
 
 fn body(shader: &Shader, function: FunctionId) -> Option<&Block> {
@@ -90,10 +135,42 @@ fn takes_derivatives(name: &str) -> bool {
 }
 
 fn is_barrier(name: &str) -> bool {
-    matches!(name, "workgroupBarrier" | "storageBarrier" | "textureBarrier" | "workgroupUniformLoad")
+    matches!(
+        name,
+        "workgroupBarrier"
+            | "storageBarrier"
+            | "textureBarrier"
+            | "workgroupUniformLoad"
+            | "barrier"
+            | "controlBarrier"
+    )
+}
+
+/// Why a built-in variable of GLSL differs between the invocations of a work group.
+fn of_builtin(name: &str) -> Varies {
+    match name {
+        "gl_GlobalInvocationID" => Varies::DISPATCH,
+        "gl_WorkGroupID" | "gl_NumWorkGroups" | "gl_WorkGroupSize" | "gl_NumSubgroups" | "gl_SubgroupSize" => {
+            Varies::NOT
+        }
+        _ if name.starts_with("gl_Max") => Varies::NOT,
+        _ => Varies::OTHER,
+    }
 }
 
 impl<'s> Walk<'s> {
+    fn new(shader: &'s Shader, splits: Option<&'s Splits>, state: State, function: FunctionId) -> Self {
+        let (jumps, result, found) = (Jumps::default(), Varies::NOT, BTreeSet::new());
+        Self { shader, splits, state, jumps, result, calls: vec![function], steps: 0, found }
+    }
+
+    fn run(mut self, function: FunctionId) -> BTreeSet<Parted> {
+        if let Some(body) = body(self.shader, function) {
+            self.block(&body.statements, None);
+        }
+        if self.steps > MOST_STEPS { BTreeSet::new() } else { self.found }
+    }
+
     fn block(&mut self, statements: &'s [Stmt], around: Reason) {
         for statement in statements {
             let here = around.or(self.jumps.returned).or(self.jumps.left);
@@ -109,7 +186,8 @@ impl<'s> Walk<'s> {
         match &statement.kind {
             StmtKind::Declaration(declaration) => {
                 for declarator in &declaration.declarators {
-                    let varies = declarator.initializer.as_ref().is_some_and(|i| self.eval(i.value, here));
+                    let value = declarator.initializer.as_ref().map(|i| i.value);
+                    let varies = value.map_or(Varies::NOT, |value| self.eval(value, here));
                     let symbols = self.shader.symbols();
                     let symbol = symbols.into_iter().find(|(_, s)| s.span == Some(declarator.name.span));
                     if let Some((symbol, _)) = symbol {
@@ -132,7 +210,7 @@ impl<'s> Walk<'s> {
                 let outer = self.jumps.left.take();
                 let before = self.state.clone();
                 self.block(&body.statements, inside);
-                self.join(before);
+                self.state.add(&before);
                 self.jumps.left = outer;
             }
             StmtKind::For { init, condition, step, body, head_span: _ } => {
@@ -154,7 +232,7 @@ impl<'s> Walk<'s> {
             StmtKind::Return(value) => {
                 if let Some(value) = value {
                     let varies = self.eval(*value, here);
-                    self.result |= varies || here.is_some();
+                    self.result |= varies | parted_by(here);
                 }
                 self.jumps.returned = self.jumps.returned.or(here);
             }
@@ -172,7 +250,20 @@ impl<'s> Walk<'s> {
     /// Why invocations part at a condition.
     fn test(&mut self, condition: ExprId, here: Reason) -> Reason {
         let varies = self.eval(condition, here);
-        here.or(varies.then(|| self.shader.expr(condition).span))
+        here.or((varies.any() && !self.is_shown_the_same(condition)).then_some((condition, varies)))
+    }
+
+    /// True where the numbers of the invocations show that a condition is the same for all of a work group.
+    fn is_shown_the_same(&self, condition: ExprId) -> bool {
+        let Some(splits) = self.splits else { return false };
+        match &self.shader.expr(condition).kind {
+            _ if splits.get(&condition) == Some(&Split::Together) => true,
+            ExprKind::Paren(inner) => self.is_shown_the_same(*inner),
+            ExprKind::Binary { op: BinaryOp::And | BinaryOp::Or, op_span: _, left, right } => {
+                self.is_shown_the_same(*left) && self.is_shown_the_same(*right)
+            }
+            _ => false,
+        }
     }
 
     fn branches(&mut self, branches: &[&'s Stmt], open: bool, inside: Reason) {
@@ -181,13 +272,9 @@ impl<'s> Walk<'s> {
         for branch in branches {
             self.state = before.clone();
             self.statement(branch, inside);
-            after.varying.append(&mut self.state.varying.clone());
+            after.add(&self.state);
         }
         self.state = after;
-    }
-
-    fn join(&mut self, mut other: State) {
-        self.state.varying.append(&mut other.varying);
     }
 
     fn repeat(
@@ -217,7 +304,7 @@ impl<'s> Walk<'s> {
                 None => inside,
             };
             around = around.or(inside);
-            self.join(before.clone());
+            self.state.add(&before);
             if self.state == before && around == inside {
                 break;
             }
@@ -225,30 +312,32 @@ impl<'s> Walk<'s> {
         self.jumps.left = outer;
     }
 
-    fn set(&mut self, symbol: SymbolId, varies: bool, whole: bool) {
-        if varies {
-            self.state.varying.insert(symbol);
-        } else if whole {
+    fn set(&mut self, symbol: SymbolId, varies: Varies, whole: bool) {
+        if whole {
             self.state.varying.remove(&symbol);
+        }
+        if varies.any() {
+            *self.state.varying.entry(symbol).or_default() |= varies;
         }
     }
 
-    /// True when the value may differ; calls inside are looked at.
-    fn eval(&mut self, id: ExprId, here: Reason) -> bool {
+    /// Why the value may differ; calls inside are looked at.
+    fn eval(&mut self, id: ExprId, here: Reason) -> Varies {
         self.steps += 1;
         if self.steps > MOST_STEPS {
-            return false;
+            return Varies::NOT;
         }
         let shader = self.shader;
         match &shader.expr(id).kind {
-            ExprKind::Name(_) => shader.symbol_of(id).is_some_and(|s| self.reads(s)),
+            ExprKind::Name(_) => shader.symbol_of(id).map_or(Varies::NOT, |s| self.reads(s)),
             ExprKind::Binary { op: BinaryOp::And | BinaryOp::Or, op_span: _, left, right } => {
                 let varies = self.eval(*left, here);
-                let inside = here.or(varies.then(|| shader.expr(*left).span));
+                let parts = varies.any() && !self.is_shown_the_same(*left);
+                let inside = here.or(parts.then_some((*left, varies)));
                 self.eval(*right, inside) | varies
             }
             ExprKind::Assign { op, op_span: _, target, value } => {
-                let mut varies = self.eval(*value, here) | here.is_some() | self.indices(*target, here);
+                let mut varies = self.eval(*value, here) | parted_by(here) | self.indices(*target, here);
                 if op.is_some() {
                     varies |= self.eval(*target, here);
                 }
@@ -259,60 +348,71 @@ impl<'s> Walk<'s> {
                 varies
             }
             ExprKind::Postfix { operand, .. } => {
-                let varies = self.eval(*operand, here) | here.is_some();
+                let varies = self.eval(*operand, here) | parted_by(here);
                 if let Some((symbol, _)) = root(shader, *operand) {
                     self.set(symbol, varies, false);
                 }
                 varies
             }
             ExprKind::Call { callee, args } => self.call(id, callee, args, here),
-            _ => shader.expr(id).children().into_iter().fold(false, |all, c| self.eval(c, here) | all),
+            _ => shader.expr(id).children().into_iter().fold(Varies::NOT, |all, c| self.eval(c, here) | all),
         }
     }
 
-    fn indices(&mut self, target: ExprId, here: Reason) -> bool {
+    fn indices(&mut self, target: ExprId, here: Reason) -> Varies {
         match &self.shader.expr(target).kind {
             ExprKind::Paren(inner) => self.indices(*inner, here),
             ExprKind::Field { base, field: _ } => self.indices(*base, here),
             ExprKind::Index { base, index } => self.eval(*index, here) | self.indices(*base, here),
-            _ => false,
+            _ => Varies::NOT,
         }
     }
 
-    fn reads(&self, symbol: SymbolId) -> bool {
+    fn reads(&self, symbol: SymbolId) -> Varies {
         let info = self.shader.symbol(symbol);
+        let own = || self.state.varying.get(&symbol).copied().unwrap_or_default();
+        let if_any = |varies: bool| if varies { Varies::OTHER } else { Varies::NOT };
+        // In GLSL, an element that all invocations read is one value for them: its index decides.
+        let by_index = self.splits.is_some();
         match info.kind {
-            SymbolKind::Global(Storage::Buffer) => !info.read_only,
-            SymbolKind::Global(Storage::Shared | Storage::Global) => true,
-            SymbolKind::Global(_) => false,
-            _ => self.state.varying.contains(&symbol),
+            SymbolKind::Global(Storage::Global) if by_index => own(),
+            SymbolKind::Global(Storage::Buffer) => if_any(!info.read_only && !by_index),
+            SymbolKind::Global(Storage::Shared | Storage::Global) => if_any(!by_index),
+            SymbolKind::Global(_) => Varies::NOT,
+            SymbolKind::BlockMember(_) | SymbolKind::BlockInstance(_) if by_index => Varies::NOT,
+            SymbolKind::Builtin if by_index => of_builtin(&info.name),
+            _ => own(),
         }
     }
 
-    fn call(&mut self, id: ExprId, callee: &'s Callee, args: &'s [ExprId], here: Reason) -> bool {
+    fn call(&mut self, id: ExprId, callee: &'s Callee, args: &'s [ExprId], here: Reason) -> Varies {
         let shader = self.shader;
-        let varies: Vec<bool> = args.iter().map(|a| self.eval(*a, here)).collect();
-        let any = varies.iter().any(|v| *v);
+        let varies: Vec<Varies> = args.iter().map(|a| self.eval(*a, here)).collect();
+        let any = varies.iter().fold(Varies::NOT, |all, v| all | *v);
         let Callee::Name(name) = callee else { return any };
         let name = name.name.as_str();
         if let Some(CallTarget::User(function)) = shader.callee(id) {
             return self.enter(*function, args, &varies, here);
         }
         let barrier = is_barrier(name);
-        if let Some(by) = here
+        if let Some((by, why)) = here
             && (barrier || takes_derivatives(name))
         {
-            self.found.insert(Parted { call: id, by, barrier });
+            self.found.insert(Parted { call: id, by, why, barrier });
         }
         match name {
-            "workgroupUniformLoad" | "arrayLength" | "textureDimensions" | "textureNumLevels" => false,
-            _ => any || name.starts_with("atomic"),
+            "workgroupUniformLoad" | "arrayLength" | "textureDimensions" | "textureNumLevels" => Varies::NOT,
+            _ if name.starts_with("atomic") => any | Varies::OTHER,
+            _ if self.splits.is_some() && ["imageAtomic", "subgroup"].iter().any(|own| name.starts_with(own)) => {
+                any | Varies::OTHER
+            }
+            _ => any,
         }
     }
 
-    fn enter(&mut self, function: FunctionId, args: &'s [ExprId], varies: &[bool], here: Reason) -> bool {
+    fn enter(&mut self, function: FunctionId, args: &'s [ExprId], varies: &[Varies], here: Reason) -> Varies {
         let shader = self.shader;
-        let any = varies.iter().any(|v| *v);
+        let any = varies.iter().fold(Varies::NOT, |all, v| all | *v);
         let Some(body) = body(shader, function) else { return any };
         if self.calls.len() >= MOST_CALLS || self.calls.contains(&function) {
             return any;
@@ -329,12 +429,28 @@ impl<'s> Walk<'s> {
         self.calls.pop();
         self.jumps = jumps;
         let returned = std::mem::replace(&mut self.result, result);
-        for (param, arg) in params.iter().zip(args).filter(|(p, _)| p.direction == Direction::InOut) {
-            let inner = param.symbol.is_some_and(|s| self.state.varying.contains(&s));
+        // Pointers of WGSL are told as `inout`.
+        for (param, arg) in params.iter().zip(args).filter(|(p, _)| p.direction != Direction::In) {
+            let inner = param.symbol.map_or(Varies::NOT, |s| self.state.varying.get(&s).copied().unwrap_or_default());
             if let Some((symbol, _)) = root(shader, *arg) {
-                self.set(symbol, inner, false);
+                let whole = param.direction == Direction::Out && matches!(shader.expr(*arg).kind, ExprKind::Name(_));
+                self.set(symbol, inner, whole);
             }
         }
         returned
     }
+}
+
+impl State {
+    /// Takes over what varies on another way.
+    fn add(&mut self, other: &Self) {
+        for (symbol, varies) in &other.varying {
+            *self.varying.entry(*symbol).or_default() |= *varies;
+        }
+    }
+}
+
+/// What is written where invocations are parted differs for the reason that parts them.
+fn parted_by(here: Reason) -> Varies {
+    here.map_or(Varies::NOT, |(_, why)| why)
 }

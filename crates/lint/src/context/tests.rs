@@ -242,3 +242,20 @@ fn a_name_in_a_text_without_a_version_is_told_where_it_is_a_slip() {
     only_on_request(&[("a.frag", &text("sceneTint"))], "E020");
     by_default(&[("a.frag", &text("normol"))], "E020");
 }
+
+#[test]
+fn an_include_is_a_part_of_the_language_where_an_extension_has_it() {
+    let text = |line: &str| {
+        format!(
+            "#version 450\n{line}#include \"part.h\"\nlayout(location = 0) out vec4 c;\nvoid main() {{ c = vec4(1.0); }}\n"
+        )
+    };
+    only_on_request(&[("a.frag", &text(""))], "E015");
+    for name in ["GL_GOOGLE_include_directive", "GL_ARB_shading_language_include"] {
+        let text = text(&format!("#extension {name} : require\n"));
+        let inputs = [crate::Input::new(base::text::SourceFile::new("a.frag", text))];
+        let selection = crate::Selection::default().at(crate::Level::Heuristic);
+        let found = crate::run_with(&inputs, &crate::Settings { selection, ..crate::Settings::default() });
+        assert!(found.iter().all(|d| d.code.0 != "E015"), "{found:?}");
+    }
+}

@@ -85,7 +85,9 @@ impl Walk<'_> {
             }
             ExprKind::Ternary { condition, yes, no } => {
                 let condition = self.number(*condition);
+                self.conditional += 1;
                 let (yes, no) = (self.eval(*yes), self.eval(*no));
+                self.conditional -= 1;
                 match (condition.single(), condition.is_known(), &yes, &no) {
                     (Some(truth), ..) => {
                         if truth != 0 {
@@ -131,7 +133,10 @@ impl Walk<'_> {
 
     fn binary(&mut self, op: BinaryOp, left: ExprId, right: ExprId) -> Value {
         let before = self.eval(left);
+        let skips = usize::from(matches!(op, BinaryOp::And | BinaryOp::Or));
+        self.conditional += skips;
         let after = self.eval(right);
+        self.conditional -= skips;
         self.combined(op, &before, &after, left)
     }
 
@@ -203,6 +208,7 @@ impl Walk<'_> {
     }
 
     fn touch(&mut self, symbol: SymbolId, path: Vec<Step>, kind: Kind, span: Span) {
+        self.note_beyond(symbol, &path, span);
         let lanes = self.state.active.iter().map(|a| *a != 0).collect();
         let access = Access { symbol, path, kind, lanes, atoms: self.state.atoms.clone(), span };
         let races = self.state.pending.add(access, &self.terms);

@@ -7,13 +7,15 @@ mod builtins;
 mod eval;
 mod guard;
 mod shared;
+mod split;
 mod sum;
 mod value;
 mod walk;
 
 pub use bound::bounds;
 pub use guard::{indexed_arrays, unguarded_store};
-pub use shared::{Kind, Race};
+pub use shared::{Beyond, Kind, Race};
+pub use split::{Split, Splits};
 pub use sum::{Factor, Product, plain, sum, sums};
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -71,20 +73,9 @@ pub fn kernels(shader: &Shader) -> Vec<Kernel> {
     }
     let main = shader.functions().find(|(_, f)| f.name.name == "main" && f.definition.is_some());
     let main = main.filter(|_| shader.stage() == Stage::Compute);
-    main.map(|(function, _)| Kernel { function, size: local_size(shader), inputs: Vec::new() }).into_iter().collect()
-}
-
-/// `layout(local_size_x = 8, …) in;`
-fn local_size(shader: &Shader) -> Option<[u32; 3]> {
-    let mut size = [None; 3];
-    for layout in &shader.interface().stage_layouts {
-        for (slot, key) in size.iter_mut().zip(["local_size_x", "local_size_y", "local_size_z"]) {
-            let Some(entry) = layout.qualifiers.layout_entry(key) else { continue };
-            let number = shader.fold(entry.value?)?.as_integer()?;
-            *slot = Some(u32::try_from(number).ok()?);
-        }
-    }
-    size.iter().any(Option::is_some).then(|| size.map(|s| s.unwrap_or(1)))
+    main.map(|(function, _)| Kernel { function, size: shader.workgroup_size(), inputs: Vec::new() })
+        .into_iter()
+        .collect()
 }
 
 /// The body of a function.
@@ -97,10 +88,8 @@ fn body(shader: &Shader, function: FunctionId) -> Option<&Block> {
 pub fn races(shader: &Shader) -> Vec<Race> {
     let mut found = BTreeSet::new();
     for kernel in kernels(shader) {
-        let size = kernel.size.unwrap_or(ASSUMED);
-        let lanes = size.iter().try_fold(1_u32, |all, s| all.checked_mul(*s));
-        let Some(2..=MOST_LANES) = lanes else { continue };
-        found.extend(walk::Walk::new(shader, &kernel, size).run());
+        let walk = walk::Walk::run(shader, &kernel, kernel.size.unwrap_or(ASSUMED));
+        found.extend(walk.map(|walk| walk.found).unwrap_or_default());
     }
     let mut first: BTreeMap<(SymbolId, bool), Race> = BTreeMap::new();
     for race in found {
@@ -114,6 +103,18 @@ pub fn races(shader: &Shader) -> Vec<Race> {
         }
     }
     first.into_values().collect()
+}
+
+/// Accesses of a kernel to shared memory whose index is shown to be past the end of an array: the first of each place.
+pub fn beyond(shader: &Shader, kernel: &Kernel) -> Vec<Beyond> {
+    let walk = kernel.size.and_then(|size| walk::Walk::run(shader, kernel, size));
+    walk.map(|walk| walk.beyond.into_values().collect()).unwrap_or_default()
+}
+
+/// What is known of the conditions of a kernel; nothing where the size of its work groups is not stated.
+pub fn splits(shader: &Shader, kernel: &Kernel) -> Splits {
+    let walk = kernel.size.and_then(|size| walk::Walk::run(shader, kernel, size));
+    walk.map(|walk| walk.splits).unwrap_or_default()
 }
 
 /// The variable of an expression and the indices and members on the way to its part.

@@ -6,8 +6,10 @@ use std::rc::Rc;
 
 use base::text::Span;
 use syntax::symbols::SymbolId;
+use syntax::types::{ArraySize, Type};
 
 use super::value::{Number, Term, Terms};
+use super::walk::Walk;
 
 /// What an access does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -71,6 +73,52 @@ pub struct Race {
     pub before: Kind,
     /// An invocation of the earlier and one of the later access that meet, where the indices are known.
     pub witness: Option<(usize, usize)>,
+}
+
+/// An access past the end of an array.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Beyond {
+    /// The variable.
+    pub symbol: SymbolId,
+    /// Where it is written.
+    pub span: Span,
+    /// Number of an invocation in its group, and the index that it has.
+    pub invocation: usize,
+    /// Its index.
+    pub index: i64,
+    /// Elements of the array.
+    pub elements: u32,
+}
+
+impl Walk<'_> {
+    /// Looks for an invocation that comes to an access for certain and has an index past the end of an array.
+    pub(super) fn note_beyond(&mut self, symbol: SymbolId, path: &[Step], span: Span) {
+        if self.conditional > 0 {
+            return;
+        }
+        let mut ty = self.shader.symbol(symbol).ty.clone();
+        for step in path {
+            ty = match (step, ty) {
+                (Step::Index(number), Type::Array(element, size)) => {
+                    let here = (0..self.lanes).filter(|lane| self.state.active[*lane] == 1);
+                    let mut all = here.map(|lane| (lane, number.lane(lane)));
+                    if let ArraySize::Known(elements) = size
+                        && number.is_known()
+                        && let Some((invocation, index)) = all.find(|(_, at)| *at < 0 || *at >= i64::from(elements))
+                    {
+                        self.beyond.entry(span).or_insert(Beyond { symbol, span, invocation, index, elements });
+                        return;
+                    }
+                    element.as_ref().clone()
+                }
+                (Step::Member(name), Type::Struct(of)) => match of.fields.iter().find(|f| f.name == *name) {
+                    Some(field) => field.ty.clone(),
+                    None => return,
+                },
+                _ => return,
+            };
+        }
+    }
 }
 
 impl Pending {

@@ -1,15 +1,17 @@
 //! The statements of a kernel, walked for a whole work group.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::rc::Rc;
 
+use base::text::Span;
 use syntax::Shader;
 use syntax::ast::{BinaryOp, Block, Condition, Declaration, ExprId, ExprKind, Stmt, StmtKind};
 use syntax::symbols::{FunctionId, SymbolId};
 
-use super::shared::{Pending, Race, Step};
+use super::shared::{Beyond, Pending, Race, Step};
+use super::split::Splits;
 use super::value::{Number, Origin, Term, Terms, Value};
-use super::{Kernel, body};
+use super::{Kernel, MOST_LANES, body};
 
 /// Expressions that are evaluated for one entry point.
 const MOST_STEPS: usize = 20_000;
@@ -51,6 +53,12 @@ pub(super) struct Walk<'s> {
     pub terms: Terms,
     pub state: State,
     pub found: BTreeSet<Race>,
+    /// Accesses past the end of an array, by their place.
+    pub beyond: BTreeMap<Span, Beyond>,
+    /// What is known of conditions.
+    pub splits: Splits,
+    /// Expressions around the one at hand that are evaluated on a condition.
+    pub conditional: usize,
     /// Parameters that are pointers into shared memory.
     pub aliases: HashMap<SymbolId, (SymbolId, Vec<Step>)>,
     pub inputs: HashMap<(SymbolId, Option<String>), Value>,
@@ -64,7 +72,19 @@ pub(super) struct Walk<'s> {
 }
 
 impl<'s> Walk<'s> {
-    pub fn new(shader: &'s Shader, kernel: &Kernel, size: [u32; 3]) -> Self {
+    /// Walks through a kernel with work groups of this size; none where they have too many invocations to be followed, or
+    /// a single one.
+    pub fn run(shader: &'s Shader, kernel: &Kernel, size: [u32; 3]) -> Option<Self> {
+        let lanes = size.iter().try_fold(1_u32, |all, s| all.checked_mul(*s));
+        let Some(2..=MOST_LANES) = lanes else { return None };
+        let mut walk = Self::new(shader, kernel, size);
+        if let Some(body) = body(shader, kernel.function) {
+            walk.block(&body.statements);
+        }
+        Some(walk)
+    }
+
+    fn new(shader: &'s Shader, kernel: &Kernel, size: [u32; 3]) -> Self {
         let lanes = size.iter().map(|s| *s as usize).product();
         let declared = shader.symbols().filter_map(|(id, s)| Some((s.span?.start, id))).collect();
         let mut walk = Self {
@@ -74,6 +94,9 @@ impl<'s> Walk<'s> {
             terms: Terms::default(),
             state: State { active: Rc::new(vec![1; lanes]), returned: Rc::new(vec![0; lanes]), ..State::default() },
             found: BTreeSet::new(),
+            beyond: BTreeMap::new(),
+            splits: Splits::new(),
+            conditional: 0,
             aliases: HashMap::new(),
             inputs: HashMap::new(),
             barriers: 0,
@@ -89,15 +112,6 @@ impl<'s> Walk<'s> {
             }
         }
         walk
-    }
-
-    /// What meets without a barrier; nothing where the kernel is too long to say.
-    pub fn run(mut self) -> BTreeSet<Race> {
-        let function = self.calls.first().copied();
-        if let Some(body) = function.and_then(|f| body(self.shader, f)) {
-            self.block(&body.statements);
-        }
-        self.found
     }
 
     /// Counts a step; false when there were too many.
@@ -261,7 +275,9 @@ impl<'s> Walk<'s> {
     }
 
     fn split(&mut self, condition: ExprId, then: impl FnOnce(&mut Self), otherwise: impl FnOnce(&mut Self)) {
+        let id = condition;
         let condition = self.number(condition);
+        self.note_split(id, &condition);
         let (yes, no) = self.masks(&condition);
         let entry = self.state.clone();
         let atom = self.atoms(&condition);
@@ -345,7 +361,9 @@ impl<'s> Walk<'s> {
     }
 
     fn switch(&mut self, selector: ExprId, body: &'s Block) {
+        let id = selector;
         let selector = self.number(selector);
+        self.note_split(id, &selector);
         let by = self.terms.origin_of(&selector);
         let entry = self.state.clone();
         let active: Vec<u8> = entry.active.iter().map(|a| if *a == 0 { 0 } else { 2 }).collect();
@@ -402,6 +420,7 @@ impl<'s> Walk<'s> {
         let (mut exits, mut by, mut open) = (Vec::new(), Origin { uniform: true, data: false }, 0);
         let mut test = |walk: &mut Self, id: ExprId, exits: &mut Vec<State>, open: &mut usize| {
             let number = walk.number(id);
+            walk.note_split(id, &number);
             let own = walk.terms.origin_of(&number);
             by = Origin { uniform: by.uniform && own.uniform, data: by.data || own.data };
             let (yes, no) = walk.masks(&number);

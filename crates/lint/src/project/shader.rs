@@ -361,6 +361,13 @@ impl ShaderFile {
         self.around.iter().any(|part| !part.is_empty())
     }
 
+    /// True where an extension that takes `#include` is on: the directive is a part of the language then.
+    pub fn has_includes(&self) -> bool {
+        let takes = ["GL_GOOGLE_include_directive", "GL_ARB_shading_language_include"];
+        let mut extensions = self.shader.extensions().iter();
+        extensions.any(|e| takes.contains(&e.name.as_str()) && e.behavior != "disable")
+    }
+
     /// True for a place in what a host puts around the text.
     pub fn is_in_front(&self, place: Span) -> bool {
         self.around.iter().any(|part| part.contains(place.start))

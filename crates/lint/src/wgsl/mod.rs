@@ -1,7 +1,6 @@
 //! Rules on what WGSL alone has.
 
 mod interface;
-mod uniformity;
 
 // Rules: each in a folder with its name, with its pages.
 pub(super) mod atomic_in_read_only_storage;
@@ -25,7 +24,7 @@ use syntax::symbols::SymbolId;
 use syntax::wgsl::{Attribute, Module, ModuleItem};
 
 /// The variable of which an expression is a part, with the names of the members on the way to it.
-pub(super) fn root(shader: &Shader, id: ExprId) -> Option<(SymbolId, Vec<&str>)> {
+pub(crate) fn root(shader: &Shader, id: ExprId) -> Option<(SymbolId, Vec<&str>)> {
     let mut members = Vec::new();
     let mut id = id;
     loop {
@@ -76,7 +75,7 @@ pub(crate) fn inputs<'m>(shader: &Shader, module: &'m Module, item: usize) -> Ve
 }
 
 /// The built-in value that attributes name.
-pub(super) fn builtin_value<'s>(shader: &'s Shader, attributes: &[Attribute]) -> Option<&'s str> {
+pub(crate) fn builtin_value<'s>(shader: &'s Shader, attributes: &[Attribute]) -> Option<&'s str> {
     let attribute = Module::attribute(attributes, "builtin")?;
     Some(shader.text_of(*attribute.args.first()?))
 }

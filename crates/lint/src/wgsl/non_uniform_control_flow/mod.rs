@@ -4,10 +4,9 @@ use std::collections::BTreeSet;
 
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use crate::uniformity::{Parted, parted};
 use base::diagnostic::{Code, Severity, message};
 use syntax::wgsl::Module;
-
-use super::uniformity::{Parted, parted};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -31,7 +30,7 @@ fn check(file: &ShaderFile, module: &Module, findings: &mut Findings<'_>) {
         all.extend(parted(shader, module, entry));
     }
     let mut told = BTreeSet::new();
-    for Parted { call, by, barrier } in all {
+    for Parted { call, by, why: _, barrier } in all {
         if (allowed && !barrier) || !told.insert(call) {
             continue;
         }
@@ -70,7 +69,7 @@ fn check(file: &ShaderFile, module: &Module, findings: &mut Findings<'_>) {
                 .with_label(message!("not in uniform control flow", "一様でない制御フロー"))
                 .with_related(
                     &file.file,
-                    by,
+                    shader.expr(by).span,
                     message!("not the same for all invocations", "インベケーションごとに異なる"),
                 )
                 .with_why(why)
