@@ -157,7 +157,8 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     }
     let mut progress = Bar::new(args.format == Format::Text);
     for source in &sources {
-        for note in source.notes().iter().filter(|_| args.format == Format::Text) {
+        let assumed = if is_glsl(source) { source.assumed_version(&args.define) } else { None };
+        for note in source.notes().iter().chain(&assumed).filter(|_| args.format == Format::Text) {
             progress.suspend(|| writeln!(err, "note: {note}"))?;
         }
         let mut printed = Printed { out, args, color, many: sources.len() > 1 };
@@ -220,6 +221,11 @@ pub(super) fn all_known(functions: &[String], known: &[String]) -> anyhow::Resul
     anyhow::bail!("there is no function `{name}` with a body; {hint}")
 }
 
+/// True for a text in GLSL.
+fn is_glsl(source: &IncludedText) -> bool {
+    Written::of(&source.file) == Written::Glsl
+}
+
 /// The name of a function without the types of its parameters.
 fn base(label: &str) -> &str {
     label.split('(').next().unwrap_or(label)
@@ -253,7 +259,11 @@ fn one_file(
         let domain = inputs.domain(subject)?;
         let function = one_function(args, source, subject, &domain, lanes, progress)?;
         if text {
-            progress.suspend(|| printed.out.write_all(line(&function, printed.color).as_bytes()))?;
+            // What is known stays known where a limit of time ends the run.
+            progress.suspend(|| {
+                printed.out.write_all(line(&function, printed.color).as_bytes())?;
+                printed.out.flush()
+            })?;
         }
         report.functions.push(function);
         if interrupt::asked() {

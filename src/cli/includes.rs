@@ -87,7 +87,17 @@ pub fn read_all(path: &Path, given: &Given<'_>, stage: Option<Stage>) -> anyhow:
         // The name of a shader in host code is no path: its line leads to it.
         let is_file = lint::language_of(&path.to_string_lossy()).is_some();
         let given = if is_file { format!("{}:{}", path.shown(), shader.lines.start() + 1) } else { name.clone() };
-        Ok(IncludedText { name, given, path, file, stage: shader.stage, printed: true, includes, joined: None, assumed: Assumed::new() })
+        Ok(IncludedText {
+            name,
+            given,
+            path,
+            file,
+            stage: shader.stage,
+            printed: true,
+            includes,
+            joined: None,
+            assumed: Assumed::new(),
+        })
     };
     printed.into_iter().map(text).collect()
 }
@@ -95,7 +105,7 @@ pub fn read_all(path: &Path, given: &Given<'_>, stage: Option<Stage>) -> anyhow:
 impl IncludedText {
     /// The shader. A library that names no version is written for whatever the shaders that it is put
     /// into say: the newest version is taken, unless only the oldest has what it uses. A stage that names none and states
-    /// precisions is GLSL ES 1.00, as browsers take it.
+    /// precisions is GLSL ES 1.00, as browsers take it; a compute shader is of the first version that has what it uses.
     pub fn parsed(&self, defines: &[(String, String)]) -> Parsed {
         let all: Vec<(String, String)> = defines.iter().chain(&self.assumed).cloned().collect();
         let defines = &all[..];
@@ -104,16 +114,37 @@ impl IncludedText {
         if parsed.shader.version().span.is_some() {
             return parsed;
         }
-        let line = match self.stage {
-            Stage::Library => "#version 460\n",
-            _ if parsed.shader.has_precisions() && errors(&parsed) > 0 => "#version 100\n",
+        let lines: &[&str] = match self.stage {
+            Stage::Library => &["#version 460\n"],
+            _ if parsed.shader.has_precisions() && errors(&parsed) > 0 => &["#version 100\n"],
+            Stage::Compute if errors(&parsed) > 0 => &["#version 430\n", "#version 450\n", "#version 460\n"],
             _ => return parsed,
         };
-        let mut stated = Assembly::new();
-        stated.insert(line, &self.file, 0);
-        stated.copy(&self.file, Span::new(0, self.file.text().len()));
-        let stated = Shader::parse_with(&stated.finish(self.file.name()), self.stage, defines);
-        if errors(&stated) > 0 && errors(&parsed) == 0 { parsed } else { stated }
+        let behind = |line: &&str| {
+            let mut stated = Assembly::new();
+            stated.insert(line, &self.file, 0);
+            stated.copy(&self.file, Span::new(0, self.file.text().len()));
+            Shader::parse_with(&stated.finish(self.file.name()), self.stage, defines)
+        };
+        // Of those with the fewest errors, the oldest.
+        let stated = lines.iter().map(behind).min_by_key(|stated| errors(stated));
+        match stated {
+            Some(stated) if errors(&stated) == 0 || errors(&parsed) > 0 => stated,
+            _ => parsed,
+        }
+    }
+
+    /// What to tell of the version that is taken for a compute shader which names none.
+    pub fn assumed_version(&self, defines: &[(String, String)]) -> Option<String> {
+        if self.stage != Stage::Compute
+            || Shader::parse_with(&self.file, self.stage, defines).shader.version().span.is_some()
+        {
+            return None;
+        }
+        let parsed = self.parsed(defines);
+        let version = parsed.shader.version();
+        let number = version.span.map(|_| version.number)?;
+        Some(format!("`{}` has no `#version`: it is read as GLSL {}.{:02}", self.name, number / 100, number % 100))
     }
 
     /// A changed text in the place of the author's file, read in the way of the first.

@@ -421,3 +421,29 @@ fn a_compute_stage_is_dispatched_and_run_alone_as_well() {
     // All its invocations were run.
     assert!(!reported.contains("first invocation"), "{reported}");
 }
+
+#[test]
+fn what_a_host_cuts_off_or_puts_in_front_of_a_kernel_is_no_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |name: &str, text: &str, status: i32| {
+        fs::write(folder.path().join(name), text).unwrap();
+        let ran = run_in(folder.path(), &format!("fuzz {name} --samples 64 --lane embedded")).expect(status);
+        (ran.out, ran.err)
+    };
+    let kernel = "layout(local_size_x = 8) in;\nlayout(set = 0, binding = 0) writeonly buffer B { uint a[]; } b;\n\
+        void main() { uint i = gl_GlobalInvocationID.x; if (i < uint(b.a.length())) b.a[i] = 1u << i % 8u; }\n";
+    // A section of Godot, whose places are those of the file.
+    let section = format!("#[compute]\n#version 450\n{kernel}");
+    let (out, _) = run("section.glsl", &section, 0);
+    assert!(out.contains("ok    main"), "{out}");
+    let (out, _) = run("section.glsl", &section.replace("1u << i % 8u", "missing"), 1);
+    assert!(out.contains("section.glsl:5:") && !out.contains("E010") && !out.contains("V001"), "{out}");
+    // A text to which the host adds the version: told once, and no error follows from it.
+    let (out, err) = run("bare.comp", kernel, 0);
+    assert!(out.contains("ok    main"), "{out}");
+    assert_eq!(err.matches("has no `#version`: it is read as GLSL 4.30").count(), 1, "{err}");
+    let (out, _) = run("bare.comp", &kernel.replace("1u << i % 8u", "missing"), 1);
+    assert_eq!(out.matches("error[").count(), 1, "{out}");
+    let (_, err) = run("stated.comp", &format!("#version 430\n{kernel}"), 0);
+    assert!(!err.contains("it is read as"), "{err}");
+}

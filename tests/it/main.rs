@@ -49,6 +49,7 @@ mod probe;
 mod refdata;
 mod refused;
 mod regress;
+mod repairs;
 mod sarif;
 mod schema;
 mod schemas;

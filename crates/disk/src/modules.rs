@@ -300,7 +300,14 @@ impl Library for Modules {
                         roots.extend(INSIDE.iter().map(|inside| package.join(inside)));
                     }
                 }
-                roots.iter().find_map(|root| self.below(root, names))
+                let found = roots.iter().find_map(|root| self.below(root, names));
+                // A tool may name each file by its stem: `#import helpers` is `helpers.wgsl` beside.
+                let beside = |modules: &mut Self| {
+                    let file = modules.with_ending(&folder.join(package)).filter(|_| names.is_empty())?;
+                    let says = |line: &str| line.trim_start().starts_with("#define_import_path");
+                    (!file.text().lines().any(says)).then_some(file)
+                };
+                found.or_else(|| beside(self))
             }
         }
     }
@@ -427,6 +434,23 @@ mod tests {
         let text = composed(&files, &["lib"]);
         assert!(["fn a()", "fn b()", "fn c()"].iter().all(|f| text.contains(f)), "{text}");
         assert!(composed(&files, &[]).contains("E070 main.wgsl:3:9 no module is found for `c`"));
+    }
+
+    #[test]
+    fn a_file_beside_is_a_module_by_its_stem() {
+        let main = ("a/main.wgsl", "#import helpers;\nfn f(x: helpers::S) -> u32 { return helpers::g(x); }\n");
+        let helpers = ("a/helpers.wgsl", "struct S { n: u32, }\nfn g(x: S) -> u32 { return x.n; }\n");
+        let text = composed(&[main, helpers], &[]);
+        assert!(text.contains("struct") && text.contains("return x.n;"), "{text}");
+        let without = (main.0, "#import helpers\nfn f(x: helpers::S) -> u32 { return helpers::g(x); }\n");
+        let text = composed(&[without, helpers], &[]);
+        assert!(text.contains("return x.n;"), "{text}");
+        // One that says another name goes by that.
+        let named =
+            ("a/helpers.wgsl", "#define_import_path other\nstruct S { n: u32, }\nfn g(x: S) -> u32 { return x.n; }\n");
+        assert!(composed(&[main, named], &[]).contains("E070 a/main.wgsl:1:9 no module is found for `helpers`"));
+        let wrong = (main.0, "#import helpers;\nfn f() -> u32 { return helpers::missing(); }\n");
+        assert!(composed(&[wrong, helpers], &[]).contains("declares no `missing`"));
     }
 
     #[test]

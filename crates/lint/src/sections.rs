@@ -1,5 +1,5 @@
 //! Files that hold several shaders, which hosts cut apart: behind a line that says the stage (`#type vertex`,
-//! `---FRAGMENT SHADER---`), on the two sides of a line of `$$`, or in branches for `VERTEX` and `FRAGMENT`.
+//! `#[compute]` of Godot, `---FRAGMENT SHADER---`), on the two sides of a line of `$$`, or in branches for `VERTEX` and `FRAGMENT`.
 
 use base::text::{SourceFile, Span};
 use syntax::Stage;
@@ -90,7 +90,9 @@ fn mark(line: &str) -> Option<Stage> {
             (words.next()?, words.next().filter(|w| !w.eq_ignore_ascii_case("shader")))
         }
         None => {
-            let mut words = line.strip_prefix(['#', '@'])?.split_whitespace();
+            let line = line.strip_prefix(['#', '@'])?;
+            let inside = line.strip_prefix('[').and_then(|line| line.strip_suffix(']'));
+            let mut words = inside.unwrap_or(line).split_whitespace();
             match words.next()? {
                 "type" | "shader" | "stage" => (words.next()?, words.next()),
                 word => (word, words.next()),
@@ -193,6 +195,19 @@ mod tests {
         assert!(run(&[Input::new(file)]).is_empty());
         let file = SourceFile::new("both.shader", BOTH.replace("#type", "#shader").replace("vec4(n", "vec3(n"));
         assert_eq!(run(&[Input::new(file)]).len(), 1);
+    }
+
+    #[test]
+    fn sections_of_godot_are_shaders() {
+        let text = "#[compute]\n#version 450\nlayout(local_size_x = 64) in;\nlayout(set = 0, binding = 0) buffer D { float d[]; };\n\
+            void main() { uint i = gl_GlobalInvocationID.x; if (i < uint(d.length())) d[i] = vec2(1.0).x; }\n";
+        assert_eq!(reported(text), [""; 0]);
+        let found = reported(&text.replace("vec2(1.0).x", "vec2(1.0)"));
+        assert!(found.len() == 1 && found[0].contains("both.glsl:5:"), "{found:?}");
+        let both = BOTH.replace("#type vertex", "#[vertex]").replace("#type fragment", "#[fragment]");
+        assert_eq!(reported(&both), [""; 0]);
+        let found = reported(&both.replace("vec4(n, 1.0)", "vec3(n, 1.0)"));
+        assert!(found.len() == 1 && found[0].contains("both.glsl:12:19"), "{found:?}");
     }
 
     const BRANCHES: &str = "#if defined(VERTEX)\nattribute vec4 p;\nvarying vec2 t;\nvoid main() { t = p.xy; gl_Position = p; }\n\

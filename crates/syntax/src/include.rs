@@ -156,7 +156,12 @@ fn directives(file: &SourceFile, style: CommentStyle) -> Vec<Directive> {
         let word = directive_words(style).iter().find(|word| rest.starts_with(**word));
         if let Some(word) = word {
             let import = *word == "import";
-            let Some((inside, quoted)) = path_of(rest[word.len()..].trim_start(), import) else { continue };
+            let asked = rest[word.len()..].trim_start();
+            let Some((inside, quoted)) = path_of(asked, import) else { continue };
+            // What the text calls by `name::f` is a module, and no text to be put in.
+            if asked.starts_with(inside) && names_a_module(file.text(), inside) {
+                continue;
+            }
             let span = Span::new(span.start + indent, span.end);
             let (path, quoted) = (inside.to_owned(), quoted || import);
             found.push(Directive::Include(Wanted { from: file.clone(), path, quoted, import, span }));
@@ -182,6 +187,12 @@ fn path_of(text: &str, import: bool) -> Option<(&str, bool)> {
     let rest = rest.trim_start();
     let module = import && !(rest.is_empty() || rest.starts_with("//") || rest.starts_with("/*"));
     (!module && !inside.is_empty()).then_some((inside, quoted))
+}
+
+/// True where a text has `name::` as a word of its own.
+fn names_a_module(text: &str, name: &str) -> bool {
+    let part = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
+    text.match_indices(name).any(|(at, _)| text[at + name.len()..].starts_with("::") && !text[..at].ends_with(part))
 }
 
 fn in_comment(comments: &[Comment], offset: usize) -> bool {

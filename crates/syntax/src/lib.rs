@@ -234,8 +234,18 @@ impl Shader {
         extensions.extend(dialect::vulkan(file, &raw, &version));
         let language = language::Language::new(&version, &extensions);
         let (unit, mut arena) = parser::parse(tokens, &language, &mut sink);
-        let check::Checked { types, values, names, calls, mut symbols, functions, mut uses, unknown, lacking, interface } =
-            check::check(&unit, &arena, stage, language, incomplete, &mut sink);
+        let check::Checked {
+            types,
+            values,
+            names,
+            calls,
+            mut symbols,
+            functions,
+            mut uses,
+            unknown,
+            lacking,
+            interface,
+        } = check::check(&unit, &arena, stage, language, incomplete, &mut sink);
         // A project keeps thousands of these: what growing vectors hold in reserve adds up.
         arena.shrink();
         symbols.shrink_to_fit();

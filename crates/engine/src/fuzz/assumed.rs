@@ -83,7 +83,8 @@ fn may_be_given(parsed: &Parsed, name: &str, what: Lacks) -> bool {
 
 /// What a name stands for at first. A function of one argument becomes a conversion.
 fn plainest(name: &str, what: Lacks) -> String {
-    let vector = ["vec2", "vec3", "vec4", "mat2", "mat3", "mat4"].into_iter().find(|of| name.to_lowercase().contains(of));
+    let vector =
+        ["vec2", "vec3", "vec4", "mat2", "mat3", "mat4"].into_iter().find(|of| name.to_lowercase().contains(of));
     match what {
         Lacks::Type | Lacks::Function => vector.unwrap_or(TYPES[0]).to_owned(),
         Lacks::Value => VALUES[0].to_owned(),
@@ -124,7 +125,9 @@ mod tests {
 
     #[test]
     fn slips_and_names_of_the_author_are_told() {
-        let around = |line: &str| format!("layout(local_size_x = 8) in;\nbuffer B {{ float x[]; }};\nvoid main() {{ {line} }}\n");
+        let around = |line: &str| {
+            format!("layout(local_size_x = 8) in;\nbuffer B {{ float x[]; }};\nvoid main() {{ {line} }}\n")
+        };
         assert_eq!(of(&around("float total = 1.0; x[0] = totl;")), None);
         assert_eq!(of(&around("x[0] = scale * 2.0;")), None);
         assert_eq!(of(&around("x[0] = 1.0;")), None);

@@ -3,12 +3,12 @@
 use super::super::ast::{Callee, ExprId, Ident, ItemKind};
 use super::super::builtin::{self, BuiltinFunction, Signature};
 use super::super::constructor::{Constructor, Fit};
-use super::super::{Lacks, errors};
 use super::super::fold::{self, Const};
 use super::super::language::{Feature, Language};
 use super::super::names::nearest;
 use super::super::symbols::{BuiltinCall, CallTarget, Direction, FunctionId};
 use super::super::types::{ArraySize, Conversions, OpaqueKind, ScalarType, Type};
+use super::super::{Lacks, errors};
 use super::expression::{article, with_near};
 use super::{Checker, Entry};
 use base::diagnostic::message;

@@ -37,8 +37,10 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     if version.number < 150 || version.profile != Profile::Core || !file.is_sound() {
         return;
     }
-    for token in shader.tokens().iter().filter(|t| t.place == TokenPlace::Text) {
+    let mut tokens = shader.tokens().iter().filter(|t| t.place == TokenPlace::Text).peekable();
+    while let Some(token) = tokens.next() {
         let word = file.file.slice(token.span);
+        let called = tokens.peek().is_some_and(|next| file.file.slice(next.span) == "(");
         let own = shader.function(word).is_some() || shader.symbols().any(|(_, s)| s.name == word && s.span.is_some());
         let new = match word {
             "attribute" => Some("in"),
@@ -48,7 +50,8 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
                 _ => None,
             },
             "gl_FragColor" | "gl_FragData" => None,
-            _ => match RENAMED.iter().find(|(old, _)| *old == word) {
+            // GLSL for Vulkan has types of some of these names (GL_KHR_vulkan_glsl).
+            _ => match RENAMED.iter().find(|(old, _)| *old == word && called) {
                 Some((_, new)) => Some(*new),
                 None => continue,
             },
@@ -98,5 +101,10 @@ mod tests {
         // A function of the shader may have the name.
         let own = "#version 150\nout vec4 c;\nvec4 texture2D(vec2 u) { return u.xyxy; }\nvoid main() { c = texture2D(vec2(1.0)); }\n";
         assert_eq!(count("a.frag", own), 0);
+        // In GLSL for Vulkan it is a type.
+        let separate = "#version 450\nlayout(set = 0, binding = 0) uniform texture2D t;\nlayout(set = 0, binding = 1) uniform sampler s;\n\
+            layout(location = 0) out vec4 c;\nvec4 at(texture2D image, vec2 u) { return texture(sampler2D(image, s), u); }\n\
+            void main() { c = at(t, vec2(0.5)); }\n";
+        assert_eq!(count("a.frag", separate), 0);
     }
 }

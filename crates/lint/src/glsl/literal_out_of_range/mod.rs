@@ -30,11 +30,15 @@ fn lost(value: f64) -> Option<f64> {
 }
 
 fn amount(shader: &Shader, file: &ShaderFile, project: &Project, id: ExprId) -> Option<(ExprId, Range)> {
-    let by = match shader.expr(id).kind {
-        ExprKind::Binary { op: BinaryOp::Shl | BinaryOp::Shr, op_span: _, left: _, right } => right,
-        ExprKind::Assign { op: Some(BinaryOp::Shl | BinaryOp::Shr), op_span: _, target: _, value } => value,
+    let (shifted, by) = match shader.expr(id).kind {
+        ExprKind::Binary { op: BinaryOp::Shl | BinaryOp::Shr, op_span: _, left, right } => (left, right),
+        ExprKind::Assign { op: Some(BinaryOp::Shl | BinaryOp::Shr), op_span: _, target, value } => (target, value),
         _ => return None,
     };
+    // Integers of extensions, such as `uint64_t`, have other numbers of bits.
+    if shader.type_of(shifted).is_error() {
+        return None;
+    }
     let observed = file.observed(project);
     let visits = observed.visits(id);
     let mut all = visits.iter().filter_map(|v| v.operands.get(1)).flat_map(|v| &v.parts);
@@ -108,6 +112,19 @@ mod tests {
         );
         let found = lint("N015", Level::Default, &shader("#define BIG 1e40", "r = BIG;"));
         assert_eq!(found.len(), 1);
+    }
+
+    #[test]
+    fn wider_integers_of_extensions_have_more_bits() {
+        let text = |one: &str| {
+            format!(
+                "#version 450\n#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require\nlayout(local_size_x = 8) in;\n\
+                 layout(binding = 0) buffer D {{ uint d[]; }};\nvoid main() {{ d[0] = uint({one} << 63); }}\n"
+            )
+        };
+        let found = |text: &str| super::super::testing::found("N015", "a.comp", text).len();
+        assert_eq!(found(&text("uint64_t(1)")), 0);
+        assert_eq!(found(&text("uint(1)")), 1);
     }
 
     #[test]

@@ -1,10 +1,10 @@
 //! D008: a function that returns a value can end without one.
 
-use syntax::is_macro;
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 use syntax::ast::{Condition, Stmt, StmtKind};
+use syntax::is_macro;
 use syntax::symbols::FunctionInfo;
 use syntax::types::Type;
 use syntax::{Shader, Token, TokenKind, TokenPlace};
