@@ -18,6 +18,9 @@ const MOST_CALLS: usize = 12;
 /// Statements and expressions that are looked at for one entry point.
 const MOST_STEPS: usize = 100_000;
 
+/// Invocations of the largest subgroups in use: who writes a kernel for a work group of no more counts on one subgroup.
+const SUBGROUP: u32 = 64;
+
 /// Why a value may differ from one invocation to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Varies(u8);
@@ -25,19 +28,21 @@ pub struct Varies(u8);
 impl Varies {
     /// It does not.
     const NOT: Self = Self(0);
-    /// It follows from the place of the invocation in the whole dispatch.
-    const DISPATCH: Self = Self(1);
-    /// It follows from its place in the work group or subgroup, from data, or from inputs of the stage.
-    const OTHER: Self = Self(2);
+    /// It follows from the place of the invocation in the work group.
+    const LOCAL: Self = Self(1);
+    /// It follows from the work group, and is the same for all of it.
+    const GROUP: Self = Self(2);
+    /// It follows from data, or from inputs of the stage.
+    const DATA: Self = Self(4);
 
     fn any(self) -> bool {
-        self != Self::NOT
+        self.0 & !Self::GROUP.0 != 0
     }
 
     /// True where nothing but the place in the whole dispatch makes the difference: a host that fills its work groups
     /// can see to it that a guard holds for all of each.
     pub fn by_dispatch_alone(self) -> bool {
-        self == Self::DISPATCH
+        self == Self::LOCAL | Self::GROUP
     }
 }
 
@@ -89,6 +94,8 @@ struct Walk<'s> {
     shader: &'s Shader,
     /// What is known of conditions in a kernel in GLSL; in WGSL, what the language says holds.
     splits: Option<&'s Splits>,
+    /// A work group is taken to be one subgroup.
+    one_subgroup: bool,
     state: State,
     jumps: Jumps,
     result: Varies,
@@ -107,7 +114,7 @@ pub fn parted(shader: &Shader, module: &Module, entry: &EntryPoint) -> BTreeSet<
                 Some("workgroup_id" | "num_workgroups" | "subgroup_size" | "num_subgroups")
             );
         if !together {
-            state.varying.insert(input.param, Varies::OTHER);
+            state.varying.insert(input.param, Varies::DATA);
         }
     }
     Walk::new(shader, None, state, entry.function).run(entry.function)
@@ -117,6 +124,7 @@ pub fn parted(shader: &Shader, module: &Module, entry: &EntryPoint) -> BTreeSet<
 /// to be the same for all of a group part nobody.
 pub fn parted_barriers(shader: &Shader, kernel: &Kernel, splits: &Splits) -> BTreeSet<Parted> {
     let mut walk = Walk::new(shader, Some(splits), State::default(), kernel.function);
+    walk.one_subgroup = kernel.size.is_none_or(|size| size.iter().product::<u32>() <= SUBGROUP);
     for variable in &shader.interface().globals {
         let varies = variable.initializer.map_or(Varies::NOT, |value| walk.eval(value, None));
         walk.set(variable.symbol, varies, true);
@@ -149,19 +157,24 @@ fn is_barrier(name: &str) -> bool {
 /// Why a built-in variable of GLSL differs between the invocations of a work group.
 fn of_builtin(name: &str) -> Varies {
     match name {
-        "gl_GlobalInvocationID" => Varies::DISPATCH,
-        "gl_WorkGroupID" | "gl_NumWorkGroups" | "gl_WorkGroupSize" | "gl_NumSubgroups" | "gl_SubgroupSize" => {
-            Varies::NOT
-        }
+        "gl_GlobalInvocationID" => Varies::LOCAL | Varies::GROUP,
+        "gl_WorkGroupID" => Varies::GROUP,
+        "gl_NumWorkGroups" | "gl_WorkGroupSize" | "gl_NumSubgroups" | "gl_SubgroupSize" => Varies::NOT,
         _ if name.starts_with("gl_Max") => Varies::NOT,
-        _ => Varies::OTHER,
+        _ => Varies::LOCAL,
     }
+}
+
+/// True for functions whose result is the same for all of a subgroup.
+fn is_of_a_subgroup(name: &str) -> bool {
+    let apart = ["Inclusive", "Exclusive", "Clustered", "Shuffle", "Quad", "Elect", "Partitioned", "Rotate"];
+    name.starts_with("subgroup") && !apart.iter().any(|part| name.contains(part))
 }
 
 impl<'s> Walk<'s> {
     fn new(shader: &'s Shader, splits: Option<&'s Splits>, state: State, function: FunctionId) -> Self {
         let (jumps, result, found) = (Jumps::default(), Varies::NOT, BTreeSet::new());
-        Self { shader, splits, state, jumps, result, calls: vec![function], steps: 0, found }
+        Self { shader, splits, one_subgroup: false, state, jumps, result, calls: vec![function], steps: 0, found }
     }
 
     fn run(mut self, function: FunctionId) -> BTreeSet<Parted> {
@@ -316,7 +329,7 @@ impl<'s> Walk<'s> {
         if whole {
             self.state.varying.remove(&symbol);
         }
-        if varies.any() {
+        if varies != Varies::NOT {
             *self.state.varying.entry(symbol).or_default() |= varies;
         }
     }
@@ -355,6 +368,11 @@ impl<'s> Walk<'s> {
                 varies
             }
             ExprKind::Call { callee, args } => self.call(id, callee, args, here),
+            // Which element it is, and not which group, makes the difference.
+            ExprKind::Index { base, index } if self.splits.is_some() => {
+                let (index, base) = (self.eval(*index, here), self.eval(*base, here));
+                base | if index.any() { index } else { Varies::NOT }
+            }
             _ => shader.expr(id).children().into_iter().fold(Varies::NOT, |all, c| self.eval(c, here) | all),
         }
     }
@@ -371,7 +389,7 @@ impl<'s> Walk<'s> {
     fn reads(&self, symbol: SymbolId) -> Varies {
         let info = self.shader.symbol(symbol);
         let own = || self.state.varying.get(&symbol).copied().unwrap_or_default();
-        let if_any = |varies: bool| if varies { Varies::OTHER } else { Varies::NOT };
+        let if_any = |varies: bool| if varies { Varies::DATA } else { Varies::NOT };
         // In GLSL, an element that all invocations read is one value for them: its index decides.
         let by_index = self.splits.is_some();
         match info.kind {
@@ -402,10 +420,10 @@ impl<'s> Walk<'s> {
         }
         match name {
             "workgroupUniformLoad" | "arrayLength" | "textureDimensions" | "textureNumLevels" => Varies::NOT,
-            _ if name.starts_with("atomic") => any | Varies::OTHER,
-            _ if self.splits.is_some() && ["imageAtomic", "subgroup"].iter().any(|own| name.starts_with(own)) => {
-                any | Varies::OTHER
-            }
+            _ if name.starts_with("atomic") => any | Varies::DATA,
+            _ if self.splits.is_some() && name.starts_with("imageAtomic") => any | Varies::DATA,
+            _ if self.one_subgroup && is_of_a_subgroup(name) => Varies::NOT,
+            _ if self.splits.is_some() && name.starts_with("subgroup") => any | Varies::DATA,
             _ => any,
         }
     }

@@ -180,7 +180,11 @@ impl Terms {
             let truth = |d: i64| i64::from(if op == O::Less { d < 0 } else { d == 0 });
             return Number::of_lanes(difference.lanes.iter().map(|d| truth(*d)).collect());
         }
-        let origin = self.both(a, b);
+        let mut origin = self.both(a, b);
+        // Two numbers that are the same distance apart everywhere compare alike: `i + first < i + end`.
+        if matches!(op, O::Less | O::Equal) {
+            origin.uniform |= self.origin_of(&difference).uniform;
+        }
         self.made_of(op.text(), (a.hashed(), b.hashed()), origin)
     }
 
