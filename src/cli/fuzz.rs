@@ -157,7 +157,7 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     }
     let mut progress = Bar::new(args.format == Format::Text);
     for source in &sources {
-        let assumed = if is_glsl(source) { source.assumed_version(&args.define) } else { None };
+        let assumed = if is_glsl(source) { source.assumed_version(&args.input.define) } else { None };
         for note in source.notes().iter().chain(&assumed).filter(|_| args.format == Format::Text) {
             progress.suspend(|| writeln!(err, "note: {note}"))?;
         }
