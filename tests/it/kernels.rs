@@ -29,7 +29,7 @@ fn told(report: &Value) -> Vec<(String, String, u64)> {
 }
 
 /// The wrong twins: the fault that each has, whether it fails the run, and a line that is named.
-const WRONG: [(&str, &str, bool, u64); 20] = [
+const WRONG: [(&str, &str, bool, u64); 27] = [
     // A barrier that is missing behind a step of the sum.
     ("sum.wgsl", "race", true, 21),
     // Elements behind the last one are not filled.
@@ -70,6 +70,20 @@ const WRONG: [(&str, &str, bool, u64); 20] = [
     ("subgroup_tail.wgsl", "divergence", true, 13),
     // An image is written while others still read it.
     ("image_blur.wgsl", "race", true, 13),
+    // No barrier between the row of an image in the memory of the workgroup and who reads it.
+    ("row_blur.comp", "race", true, 20),
+    // The filter reads neighbours from the image that it writes.
+    ("sharpen.wgsl", "race", true, 13),
+    // Four invocations store at one texel.
+    ("halve.comp", "race", true, 9),
+    // The guard asks for the size of the image that is read.
+    ("scale.comp", "index", false, 13),
+    // Counted in an image without an atomic function.
+    ("counts.comp", "race", false, 14),
+    // One behind the end of the memory of the workgroup, on the way into an image.
+    ("volume.wgsl", "index", true, 9),
+    // Who has no texel leaves before the barrier.
+    ("layers.wgsl", "divergence", true, 19),
 ];
 
 #[test]
@@ -94,6 +108,20 @@ fn each_wrong_kernel_is_found_by_kind_and_place() {
         let kinds: BTreeSet<&str> =
             told.iter().filter(|(_, severity, _)| severity == "finding").map(|(kind, ..)| &**kind).collect();
         assert!(kinds.is_subset(&BTreeSet::from([kind])), "{name}: {told:?}");
+    }
+}
+
+/// `sharpen` reads beyond the border of an image, and `halve` has more invocations than texels.
+#[test]
+fn coordinates_outside_of_an_image_are_notes() {
+    for (name, place) in [("sharpen.wgsl", "reads `source` at coordinate"), ("halve.comp", "`halved` at coordinate")] {
+        let command = format!("fuzz fixtures/kernels/right/{name} --lane embedded --samples 16 --format json --notes");
+        let report = run_in(root(), &command).expect(0).json();
+        let findings = report["files"][0]["functions"][0]["findings"].as_array().unwrap();
+        let of_image = |finding: &&Value| finding["message"].as_str().unwrap().contains(place);
+        let outside: Vec<&Value> = findings.iter().filter(of_image).collect();
+        assert!(!outside.is_empty(), "{name}: {findings:?}");
+        assert!(outside.iter().all(|finding| finding["severity"] == "note"), "{name}: {outside:?}");
     }
 }
 

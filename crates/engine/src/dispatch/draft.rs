@@ -62,6 +62,10 @@ impl Dispatched {
     /// # Errors
     /// As of [`program::Program::dispatched`], for what a dispatch cannot be given.
     pub fn draft(&self) -> Result<Drafted, ProgramError> {
+        if let Some(image) = self.executable.memories().iter().find(|shape| shape.is_image()) {
+            let what = format!("a suite of a kernel with the storage image `{}`, which `fuzz` can run", image.name);
+            return Err(ProgramError::Unsupported { what });
+        }
         let buffers = self.program.buffers();
         let terms = self.terms();
         let lengths = self.lengths_of(&buffers, &terms);

@@ -1,9 +1,11 @@
 //! What a host does around a dispatch: how many workgroups, how long the buffers are, what is in them.
 
-use program::interp::group::{Buffer, Dispatch, InMemory, Leaf, MemoryShape, Outcome, Space, WIDTH};
-use program::interp::{Column, Number, Plain};
+use std::sync::Arc;
 
-use super::Dispatched;
+use program::interp::group::{Buffer, Dispatch, InMemory, Leaf, MemoryShape, Outcome, Space, WIDTH};
+use program::interp::{Column, Executable, Number, Plain};
+
+use super::{Dispatched, images};
 use crate::guess::words_of;
 use base::value::Scalar;
 use property::Stream;
@@ -20,6 +22,8 @@ const WIDE: u32 = 16;
 #[derive(Clone, Debug)]
 pub(super) struct Scenario {
     pub groups: [u32; 3],
+    /// The stage with textures of the sizes that belong to the dispatch.
+    pub executable: Arc<Executable>,
     pub buffers: Vec<Buffer>,
     /// Whole numbers that were chosen for uniforms, with their names.
     pub settings: Vec<(String, u32)>,
@@ -168,10 +172,6 @@ impl Dispatched {
                 Some(Guard::Elements(n)) => return Length::Grows { with: Measure::One, times: (n, 1), plus: 0 },
                 None => {}
             }
-            // An image is as large as the dispatch.
-            if self.executable.memories()[k].image.is_some() {
-                return Length::Grows { with: Measure::All, times: (1, 1), plus: 0 };
-            }
             // Who asks for the length makes do with any.
             if self.uses.lengths.contains(&(k as u32)) {
                 return Length::Grows { with: Measure::All, times: (1, 1), plus: 0 };
@@ -249,7 +249,7 @@ impl Dispatched {
     pub(super) fn reached(&self, outcome: &Outcome) -> Vec<Option<u64>> {
         let one = |(k, shape): (usize, &MemoryShape)| {
             let outside = outcome.incidents.iter().any(|i| i.memory == Some(k as u32) && i.index.is_some());
-            let array = shape.array.as_ref().filter(|_| !outside)?;
+            let array = shape.array.as_ref().filter(|_| shape.is_open() && !outside)?;
             Some((outcome.reach[k] as u64).saturating_sub(u64::from(array.offset)).div_ceil(u64::from(array.stride)))
         };
         self.executable.memories().iter().enumerate().map(one).collect()
@@ -257,17 +257,27 @@ impl Dispatched {
 
     /// What a host does for so many elements. Without lengths, arrays are longer than they need to be.
     pub(super) fn scenario(&self, items: [u32; 3], lengths: Option<&[Length]>, variant: u64) -> Scenario {
+        self.scenario_with(items, lengths, variant, None)
+    }
+
+    /// The same with every other image smaller than the dispatch: those with even or with odd numbers.
+    pub(super) fn scenario_with(
+        &self,
+        items: [u32; 3],
+        lengths: Option<&[Length]>,
+        variant: u64,
+        smaller: Option<usize>,
+    ) -> Scenario {
         let groups = self.groups(items);
         let mut settings = Vec::new();
         let mut buffers = Vec::new();
         let key = property::mix(0x5eed + variant, items.iter().fold(0, |key, &n| property::mix(key, u64::from(n))));
         for (k, shape) in self.executable.memories().iter().enumerate() {
             let mut stream = Stream::new(property::mix(key, k as u64));
-            let along = |axis: usize| if shape.image.is_some_and(|axes| axis < axes) { items[axis] } else { 1 };
-            let extent: [u32; 3] = std::array::from_fn(along);
+            let sides = self.sides_of(k, items, smaller);
             let elements = match (&shape.array, lengths) {
-                _ if shape.image.is_some() => extent.iter().product(),
                 (None, _) => 0,
+                (Some(_), _) if shape.image.is_some() => sides.iter().product(),
                 (Some(_), Some(lengths)) => lengths[k].elements(items, groups),
                 (Some(_), None) if self.uses.lengths.contains(&(k as u32)) => items.iter().product(),
                 (Some(array), None) => (ROOM / array.stride as usize) as u32,
@@ -295,16 +305,21 @@ impl Dispatched {
                         for leaf in &array.leaves {
                             let at = array.offset as usize + index * array.stride as usize + leaf.offset as usize;
                             let name = if leaf.name.is_empty() { &shape.name } else { &*leaf.name };
-                            words[at] = host.element(name, leaf.scalar, &mut stream);
+                            let word = host.element(name, leaf.scalar, &mut stream);
+                            let texels = shape.image.as_ref();
+                            words[at] = texels.map_or(word, |texels| images::held(texels, leaf.offset as usize, word));
                         }
                     }
                 }
+                if shape.image.as_ref().is_some_and(|texels| texels.is_in_buffer()) {
+                    images::write_size(&mut words, sides);
+                }
             }
-            buffers.push(Buffer { words, elements, extent });
+            buffers.push(Buffer { words, elements, sides });
         }
         let product = |all: [u32; 3]| -> u64 { all.iter().map(|&n| u64::from(n)).product() };
         let surplus = (product(groups) * product(self.size)).saturating_sub(product(items));
-        Scenario { groups, buffers, settings, surplus, subgroup: WIDTH }
+        Scenario { groups, executable: self.executable_for(items), buffers, settings, surplus, subgroup: WIDTH }
     }
 
     /// Runs a scenario. Loads outside of an array give the bits of `outside`.
@@ -317,7 +332,7 @@ impl Dispatched {
     where
         Plain<N>: InMemory<Column = Column<N>, Cell = N>,
     {
-        self.executable.dispatch::<N>(&Dispatch {
+        scenario.executable.dispatch::<N>(&Dispatch {
             size: self.size,
             groups: scenario.groups,
             buffers: &scenario.buffers,

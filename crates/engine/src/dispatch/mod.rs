@@ -11,10 +11,13 @@
 
 mod draft;
 mod host;
+mod images;
 mod run;
 mod stated;
 mod tell;
 mod widths;
+
+use std::sync::Arc;
 
 use program::interp::group::{Depends, Uses};
 use program::interp::{self, Executable};
@@ -32,7 +35,7 @@ pub struct Dispatched {
     /// The stage as its author wrote it.
     pub program: Program,
     /// What the interpreter runs.
-    pub executable: Executable,
+    pub executable: Arc<Executable>,
     /// Invocations of a workgroup.
     pub size: [u32; 3],
     depends: Depends,
@@ -58,7 +61,7 @@ impl Dispatched {
             return Some(Err(format!("{at}: a workgroup of {invocations} invocations; {LARGEST} at most are run")));
         }
         let executable = match interp::compile_dispatch(program) {
-            Ok(executable) => executable,
+            Ok(executable) => Arc::new(executable),
             Err(error) => return Some(Err(error.locate(program))),
         };
         let differs = |axis: &usize| size[*axis] > 1 || executable.reads_local(*axis) || executable.reads_global(*axis);

@@ -55,6 +55,15 @@ pub fn run(subject: &Dispatched, command: &str, report: &mut FunctionReport) {
                 }
             }
         }
+        for &smaller in subject.smaller_images() {
+            let scenario = subject.scenario_with(items, Some(&lengths), 0, Some(smaller));
+            let outcome = subject.play(&scenario, 0);
+            report.dispatches += 1;
+            let about = |incident: &Incident| subject.guarded_by(incident, scenario.groups).is_some();
+            for incident in outcome.incidents.into_iter().filter(about) {
+                note(subject, &mut met, incident, (&scenario, false), &lengths);
+            }
+        }
     }
     let mut found: Vec<Finding> = met.iter().map(|met| subject.told(met, command)).collect();
     found.extend(endless.iter().map(|(hazard, scenario)| subject.told_endless(hazard, scenario, command)));
@@ -84,7 +93,7 @@ fn note(
     (scenario, harmless): (&Scenario, bool),
     lengths: &[Length],
 ) {
-    let open = |k: u32| subject.executable.memories().get(k as usize).is_some_and(|shape| shape.array.is_some());
+    let open = |k: u32| subject.executable.memories().get(k as usize).is_some_and(|shape| shape.is_open());
     let unknown = |k: u32| open(k) && matches!(lengths.get(k as usize), Some(Length::Unknown(_)));
     // Of an array whose length nobody knows, no index is outside.
     if incident.what == Wrong::Outside && incident.memory.is_some_and(unknown) {

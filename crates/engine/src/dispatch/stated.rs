@@ -23,11 +23,14 @@ pub fn open_meaning(author: &Program, kernel: &Kernel, batch: &Batch) -> Result<
     for k in 0..batch.invocation_count() {
         let mut bound = buffers.iter();
         let memories = subject.executable.memories().iter().map(|shape| {
-            let about = if shape.space == Space::Workgroup { None } else { bound.next() };
+            let own = shape.space == Space::Workgroup || shape.is_image();
+            let about = if own { None } else { bound.next() };
             about.map_or_else(Buffer::default, |about| about.filled(shape, batch, k))
         });
         let buffers = memories.collect();
-        let scenario = Scenario { groups: *groups, buffers, settings: Vec::new(), surplus: 0, subgroup: WIDTH };
+        let executable = subject.executable.clone();
+        let scenario =
+            Scenario { groups: *groups, executable, buffers, settings: Vec::new(), surplus: 0, subgroup: WIDTH };
         let outcome = subject.play(&scenario, 0);
         for incident in outcome.incidents {
             let open = matches!(incident.what, Wrong::Race | Wrong::Divergence | Wrong::Apart);

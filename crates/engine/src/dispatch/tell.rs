@@ -3,9 +3,9 @@
 use program::interp::group::{Access, MemoryShape, Party, Sources, Space, Wrong, apart};
 use program::interp::{Finding as Hazard, Site};
 
-use super::Dispatched;
 use super::host::{Length, Scenario};
 use super::run::Met;
+use super::{Dispatched, images};
 use crate::InputValue;
 use crate::fuzz::{Finding, FuzzFindingKind, Part, Severity, WORKGROUPS, place};
 
@@ -49,7 +49,7 @@ impl Dispatched {
     /// Arrays of which no index is called outside, since nothing says how long they are.
     pub(super) fn told_unknown(&self, lengths: &[Length], scenario: &Scenario, command: &str) -> Option<Finding> {
         let memories = self.executable.memories().iter().zip(lengths);
-        let unknown = memories.filter(|(shape, length)| shape.array.is_some() && matches!(length, Length::Unknown(_)));
+        let unknown = memories.filter(|(shape, length)| shape.is_open() && matches!(length, Length::Unknown(_)));
         let names: Vec<String> = unknown.map(|(shape, _)| format!("`{}`", shape.name)).collect();
         let message = format!("no index into {} is judged: no rule was found for its length", names.join(", "));
         let kind = FuzzFindingKind::Index;
@@ -90,11 +90,16 @@ impl Dispatched {
     /// An index outside of an array: whose length is fixed, or asked for, or guessed.
     fn severity_outside(&self, met: &Met, shape: Option<&MemoryShape>, certain: bool, by_contents: bool) -> Severity {
         let incident = &met.incident;
+        // APIs discard stores outside of an image, and load zeros there; many kernels rely on it.
+        if shape.is_some_and(|shape| shape.is_image()) {
+            let other = self.guarded_by(incident, met.scenario.groups);
+            return if other.is_some() { Severity::Warning } else { Severity::Note };
+        }
         if met.harmless && incident.who.access == Access::Read {
             return Severity::Note;
         }
         let asked = incident.memory.is_some_and(|memory| self.uses.lengths.contains(&memory));
-        let open = shape.is_some_and(|shape| shape.array.is_some()) && met.length.is_some();
+        let open = shape.is_some_and(|shape| shape.is_open()) && met.length.is_some();
         let led = !self.depends.leads(incident.who.site).is_empty();
         match (open && !asked, by_contents) {
             (false, _) if certain => Severity::Finding,
@@ -111,7 +116,12 @@ impl Dispatched {
         let incident = &met.incident;
         let groups = met.scenario.groups;
         let name = shape.map_or("", |shape| &shape.name);
-        let place = shape.zip(incident.word).map(|(shape, word)| shape.place(word)).unwrap_or_default();
+        let buffer = incident.memory.and_then(|k| met.scenario.buffers.get(k as usize));
+        let place = shape.zip(incident.word).map(|(shape, word)| {
+            let texel = buffer.and_then(|buffer| images::texel(shape, word, buffer));
+            texel.unwrap_or_else(|| format!("`{}`", shape.place(word)))
+        });
+        let place = place.unwrap_or_default();
         let who = self.invocation(incident.who, groups);
         match (incident.what, incident.other) {
             (Wrong::Outside, _) => {
@@ -120,6 +130,15 @@ impl Dispatched {
                 let signed = index.cast_signed();
                 let index =
                     if signed < 0 && signed > -65_536 { format!("{index} ({signed})") } else { index.to_string() };
+                if shape.is_some_and(|shape| shape.is_image()) {
+                    let guard = self.guarded_by(incident, groups);
+                    let guard = guard.map_or_else(String::new, |other| {
+                        format!(": the guard asks for the size of `{}`, which may be larger", other.name)
+                    });
+                    return format!(
+                        "{who} {does} `{name}` at coordinate {index}, outside of its {len} texels along this axis{guard}"
+                    );
+                }
                 format!("{who} {does} `{name}` at index {index}, outside of its {len} elements")
             }
             (Wrong::Race, Some(other)) => {
@@ -134,19 +153,19 @@ impl Dispatched {
                 let atomic = (incident.who.access, other.access) == (Access::Atomic, Access::Atomic);
                 let undone = if atomic { ": the store may undo what the other one does" } else { "" };
                 format!(
-                    "race on `{place}`: {who} {own} it, and {} {theirs} it{at}, {ordered}{undone}",
+                    "race on {place}: {who} {own} it, and {} {theirs} it{at}, {ordered}{undone}",
                     self.invocation(other, groups)
                 )
             }
             (Wrong::SameValue, Some(other)) => {
                 let other = self.invocation(other, groups);
-                format!("{who} and {other} write the same value to `{place}`, with nothing between")
+                format!("{who} and {other} write the same value to {place}, with nothing between")
             }
             (Wrong::Divergence, Some(other)) => {
                 format!("{who} does not reach this barrier, at which {} waits", self.invocation(other, groups))
             }
-            (Wrong::Unwritten, _) => format!("{who} reads `{place}`, to which nobody has written"),
-            (Wrong::Race | Wrong::SameValue, None) => format!("{who} meets another one at `{place}`"),
+            (Wrong::Unwritten, _) => format!("{who} reads {place}, to which nobody has written"),
+            (Wrong::Race | Wrong::SameValue, None) => format!("{who} meets another one at {place}"),
             (Wrong::Apart, Some(other)) => format!(
                 "{who} does not reach this operation of its subgroup, in which {} is",
                 self.invocation(other, groups)
@@ -225,8 +244,8 @@ impl Dispatched {
             all.push(value("invocations of a subgroup".to_owned(), vec![scenario.subgroup]));
         }
         for (shape, buffer) in self.executable.memories().iter().zip(&scenario.buffers) {
-            if let Some(axes) = shape.image {
-                all.push(value(format!("size of `{}`", shape.name), buffer.extent[..axes].to_vec()));
+            if let Some((name, sides)) = images::sides_shown(shape, buffer) {
+                all.push(value(name, sides));
             } else if shape.array.is_some() {
                 all.push(value(format!("elements of `{}`", shape.name), vec![buffer.elements]));
             }

@@ -35,6 +35,16 @@ pub(super) struct Buffer {
     atomic: bool,
 }
 
+/// What the names of types of images in buffers begin with; the number of coordinates follows.
+const TEXELS: &str = "sc_texels_";
+
+/// For the type of an image that lies in a buffer, the coordinates of a texel. Four words with the width, the height, the
+/// depth or layers, and the samples stand in front of its texels.
+pub(crate) fn axes_of_texels(ty: &naga::Type) -> Option<usize> {
+    let rest = ty.name.as_deref()?.strip_prefix(TEXELS)?;
+    rest.split('_').next()?.parse().ok()
+}
+
 /// An image behind its size.
 fn with_size(texels: &Type) -> Type {
     let field = |name: &str, ty| StructField {
@@ -130,8 +140,9 @@ impl Build<'_> {
                 let member =
                     |name: &str, ty, offset| StructMember { name: Some(name.to_owned()), ty, binding: None, offset };
                 let members = vec![member("size", size, 0), member("texels", array, 16)];
+                let axes = if ty.arrayed { 3 } else { ty.coordinates() };
                 let span = 16 + stride.next_multiple_of(16);
-                self.insert(Some(format!("sc_texels_{name}")), TypeInner::Struct { members, span })
+                self.insert(Some(format!("{TEXELS}{axes}_{name}")), TypeInner::Struct { members, span })
             } else {
                 array
             };

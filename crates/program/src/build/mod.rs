@@ -50,6 +50,7 @@ use syntax::symbols::{FunctionId, SymbolId};
 use syntax::types::{ArraySize, Type};
 use syntax::{Shader, Stage};
 
+pub(crate) use buffer::axes_of_texels;
 pub(crate) use math::name_of_each;
 
 pub use discard::DISCARD;

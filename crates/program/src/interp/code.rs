@@ -9,7 +9,7 @@ use std::sync::Arc;
 pub use super::guarded::Guarded;
 
 use super::domain::{Binary, Class, Comparison, FromWords, Site, ToWords, Unary, WordSource};
-use super::group::{MemoryAccess, MemoryShape, Subgroup};
+use super::group::{Extent, MemoryAccess, MemoryShape, Subgroup};
 use super::meaning::HazardKind;
 use super::rearrange::Draft;
 use base::value::Scalar;
@@ -329,15 +329,10 @@ pub(super) enum Inst {
     },
     /// Reads memory that invocations share, and with a function in it writes it as well.
     Memory(MemoryAccess),
-    /// The number of elements of an array that is as long as its memory.
+    /// The number of elements of an array that is as long as its memory, or of texels along an axis.
     Length {
         memory: u32,
-        to: Reg,
-    },
-    /// The size of a storage image along an axis.
-    Extent {
-        memory: u32,
-        axis: u8,
+        of: Extent,
         to: Reg,
     },
     /// Invocations that have to go the same way: what they decide by.
@@ -468,7 +463,7 @@ impl Inst {
                 f(Read, Word, first);
                 others.iter_mut().for_each(|reg| f(Read, Word, reg));
             }
-            Self::Length { to, .. } | Self::Extent { to, .. } => f(Write, Word, to),
+            Self::Length { to, .. } => f(Write, Word, to),
             Self::If { condition, .. } => f(Read, Word, condition),
             Self::Switch { selector, .. } => f(Read, Word, selector),
             // The condition at the end of a loop is read inside it.

@@ -62,7 +62,11 @@ impl Image {
     /// Texels that all differ, other ones for each name: a wrong coordinate shows. Every number is one of
     /// binary32.
     pub fn procedural(name: &str, kind: TextureKind) -> Self {
-        let size = kind.usual_size();
+        Self::procedural_of(name, kind, kind.usual_size())
+    }
+
+    /// The same with a width, a height, and a depth or a number of layers.
+    pub fn procedural_of(name: &str, kind: TextureKind, size: [u32; 3]) -> Self {
         let count = size.iter().map(|&n| u64::from(n)).product::<u64>();
         let places = count.next_power_of_two();
         let seed = seed_of(name);

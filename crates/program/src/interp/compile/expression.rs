@@ -30,6 +30,7 @@ impl<'m> Compiler<'m> {
         match self.value(frame, handle)? {
             Value::Registers(registers) => Ok(registers),
             Value::Pointer(_) => Err(InterpError::internal("a pointer where a value is needed".to_owned())),
+            Value::Image(_) => Err(InterpError::internal("a texture where a value is needed".to_owned())),
         }
     }
 
@@ -52,7 +53,9 @@ impl<'m> Compiler<'m> {
     ) -> Result<Pointer, InterpError> {
         match self.value(frame, handle)? {
             Value::Pointer(pointer) => Ok(pointer),
-            Value::Registers(_) => Err(InterpError::internal("a value where a pointer is needed".to_owned())),
+            Value::Registers(_) | Value::Image(_) => {
+                Err(InterpError::internal("a value where a pointer is needed".to_owned()))
+            }
         }
     }
 
@@ -97,7 +100,7 @@ impl<'m> Compiler<'m> {
             Expression::GlobalVariable(global)
                 if self.module.global_variables[global].space == AddressSpace::Handle =>
             {
-                Vec::new()
+                return Ok(Value::Image(global));
             }
             Expression::GlobalVariable(global) if self.subject.shared.contains(&global) => {
                 return Ok(self.shared(global));
@@ -153,17 +156,11 @@ impl<'m> Compiler<'m> {
                 let texels = self.image_sample(frame, site.done(Manner::default()), handle, span)?;
                 self.narrowed(site, &texels)
             }
-            Expression::ImageLoad { image, coordinate, array_index, .. } => match self.storage_image(frame, image) {
-                Some(memory) => self.load_texel(frame, site, memory, (coordinate, array_index))?,
-                None => {
-                    let texels = self.image_load(frame, site.done(Manner::default()), handle, span)?;
-                    self.narrowed(site, &texels)
-                }
-            },
-            Expression::ImageQuery { image, query } => match self.storage_image(frame, image) {
-                Some((memory, _)) => self.image_extent(frame, image, memory, query),
-                None => self.image_query(frame, site, (image, query), span)?,
-            },
+            Expression::ImageLoad { .. } => {
+                let texels = self.image_load(frame, site.done(Manner::default()), handle, span)?;
+                self.narrowed(site, &texels)
+            }
+            Expression::ImageQuery { image, query } => self.image_query(frame, site, (image, query), span)?,
             Expression::Derivative { .. } => return refuse("derivatives between fragments"),
             Expression::AtomicResult { .. } | Expression::WorkGroupUniformLoadResult { .. } => {
                 return Err(InterpError::internal("the result of a later statement".to_owned()));

@@ -2,12 +2,10 @@
 
 use std::sync::Arc;
 
-use naga::{
-    AddressSpace, ArraySize, GlobalVariable, Handle, ImageClass, ImageDimension, Module, StorageAccess, Type, TypeInner,
-};
+use naga::{AddressSpace, ArraySize, GlobalVariable, Handle, Module, StorageAccess, Type, TypeInner};
 
-use super::super::group::{Array, Leaf, MemoryShape, Space};
-use super::types;
+use super::super::group::{Array, Leaf, MemoryShape, Space, Texels};
+use super::{image, types};
 use base::value::Scalar;
 
 /// Words of one memory that are still handled where its size is fixed.
@@ -188,12 +186,10 @@ fn unit(module: &Module, ty: Handle<Type>) -> u32 {
 
 /// The memory behind a variable.
 pub(super) fn shape(module: &Module, handle: Handle<GlobalVariable>) -> Result<MemoryShape, String> {
-    let variable = &module.global_variables[handle];
-    if let TypeInner::Image { dim, arrayed, class: ImageClass::Storage { format, access } } =
-        module.types[variable.ty].inner
-    {
-        return image(variable.name.clone().unwrap_or_default(), (dim, arrayed), format.into(), access);
+    if let Some(image) = image::shape(module, handle) {
+        return image;
     }
+    let variable = &module.global_variables[handle];
     let layout = Layout::of(module, variable);
     let inner = &module.types[variable.ty].inner;
     let mut fixed = Vec::new();
@@ -234,29 +230,7 @@ pub(super) fn shape(module: &Module, handle: Handle<GlobalVariable>) -> Result<M
         Layout::Packed => 4,
     };
     let name = variable.name.clone().unwrap_or_default();
-    Ok(MemoryShape { name, space, unit, words, fixed, array, image: None })
-}
-
-/// The memory of a storage image: texels of four components, whatever the format keeps of them.
-fn image(
-    name: String,
-    (dim, arrayed): (ImageDimension, bool),
-    scalar: naga::Scalar,
-    access: StorageAccess,
-) -> Result<MemoryShape, String> {
-    let axes = match dim {
-        ImageDimension::D1 => 1,
-        ImageDimension::D2 => 2,
-        ImageDimension::D3 => 3,
-        ImageDimension::Cube => return Err("storage images of cubes".to_owned()),
-    };
-    let leaf = |k: u32| -> Result<Leaf, String> {
-        let (name, lens) = (Arc::from(""), Arc::from(&[][..]));
-        Ok(Leaf { name, offset: k, scalar: types::scalar(scalar)?, half: false, component: Some(k), lens })
-    };
-    let leaves = (0..4).map(leaf).collect::<Result<_, _>>()?;
-    let array = Some(Array { name: String::new(), offset: 0, stride: 4, leaves });
-    let space = Space::Storage { writes: access.contains(StorageAccess::STORE) };
-    let image = Some(axes + usize::from(arrayed));
-    Ok(MemoryShape { name, space, unit: 4, words: 0, fixed: Vec::new(), array, image })
+    let axes = crate::build::axes_of_texels(&module.types[variable.ty]);
+    let image = axes.map(|axes| Texels { channels: Vec::new(), axes, layered: false });
+    Ok(MemoryShape { name, space, unit, words, fixed, array, image })
 }

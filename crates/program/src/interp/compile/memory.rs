@@ -152,6 +152,7 @@ impl<'m> Compiler<'m> {
         Ok(match value {
             Value::Registers(registers) => Value::Registers(registers[at..at + len].into()),
             Value::Pointer(pointer) => Value::Pointer(Pointer { offset: pointer.offset + at, ..pointer }),
+            Value::Image(_) => return Err(unsupported("this kind of access".to_owned(), frame.span)),
         })
     }
 
@@ -175,6 +176,7 @@ impl<'m> Compiler<'m> {
             return Ok(match value {
                 Value::Registers(registers) => Value::Registers(registers[at * stride..(at + 1) * stride].into()),
                 Value::Pointer(pointer) => Value::Pointer(Pointer { offset: pointer.offset + at * stride, ..pointer }),
+                Value::Image(image) => Value::Image(image),
             });
         }
         let b = self.word(len as u32, Scalar::U32).reg;
@@ -191,6 +193,7 @@ impl<'m> Compiler<'m> {
                 pointer.indices.push(step);
                 Value::Pointer(pointer)
             }
+            Value::Image(image) => Value::Image(image),
         })
     }
 

@@ -105,6 +105,8 @@ pub(in crate::interp) fn shape(module: &Module, handle: Handle<GlobalVariable>) 
 enum Value {
     Registers(Rc<[Register]>),
     Pointer(Pointer),
+    /// A texture, a sampler or a storage image.
+    Image(Handle<GlobalVariable>),
 }
 
 /// A place in a variable.
@@ -405,7 +407,7 @@ impl<'m> Compiler<'m> {
                 let place = arguments.get_mut(k as usize).ok_or_else(strange)?;
                 let registers = match place {
                     Some(Value::Pointer(pointer)) => pointer.variable.clone(),
-                    Some(Value::Registers(_)) => return Err(strange()),
+                    Some(Value::Registers(_) | Value::Image(_)) => return Err(strange()),
                     None => {
                         let variable = self.variable(binding.ty, naga::Span::UNDEFINED)?;
                         let pointer = Pointer {

@@ -91,7 +91,7 @@ impl<'m> Compiler<'m> {
             Value::Pointer(to) if all.is_empty() => {
                 vec![Target { argument, to: to.clone(), len: self.pointed(frame, handle) }]
             }
-            Value::Pointer(_) | Value::Registers(_) => all,
+            Value::Pointer(_) | Value::Registers(_) | Value::Image(_) => all,
         }
     }
 

@@ -4,9 +4,9 @@ use std::rc::Rc;
 
 use naga::{AtomicFunction, Barrier, Expression, GlobalVariable, Handle, Module, TypeInner};
 
-use super::super::code::{Inst, Register};
+use super::super::code::{Inst, Reg, Register};
 use super::super::domain::Site;
-use super::super::group::{Combine, MemoryAccess, MemoryOp, Step};
+use super::super::group::{Combine, Extent, MemoryAccess, MemoryOp, Step};
 use super::layout::Layout;
 use super::{Compiler, Frame, InterpError, Memory, Pointer, Value, unsupported};
 use base::value::Scalar;
@@ -51,6 +51,7 @@ impl<'m> Compiler<'m> {
         let mut pointer = pointer.clone();
         let memory = pointer.memory.as_mut().ok_or_else(refused)?;
         let (stride, len) = memory.layout.elements(module, inner).ok_or_else(refused)?;
+        let len = len.map_or(Extent::Elements, Extent::Fixed);
         memory.steps.push(Step { reg, stride, len, site });
         Ok(Value::Pointer(pointer))
     }
@@ -64,7 +65,6 @@ impl<'m> Compiler<'m> {
             steps: memory.steps.clone(),
             op,
             atomic: matches!(inner, TypeInner::Atomic(_)),
-            quiet: false,
             site,
         }))
     }
@@ -120,19 +120,7 @@ impl<'m> Compiler<'m> {
             return Err(unsupported("atomics".to_owned(), frame.span));
         }
         let value = self.single(frame, value)?;
-        let (op, compare) = match *function {
-            AtomicFunction::Add => (Combine::Add, None),
-            AtomicFunction::Subtract => (Combine::Subtract, None),
-            AtomicFunction::And => (Combine::And, None),
-            AtomicFunction::ExclusiveOr => (Combine::Xor, None),
-            AtomicFunction::InclusiveOr => (Combine::Or, None),
-            AtomicFunction::Min => (Combine::Min, None),
-            AtomicFunction::Max => (Combine::Max, None),
-            AtomicFunction::Exchange { compare } => {
-                let compare = compare.map(|handle| self.single(frame, handle)).transpose()?;
-                (Combine::Exchange, compare.map(|register| register.reg))
-            }
-        };
+        let (op, compare) = self.combine(frame, function)?;
         let before = result.map(|_| Register { reg: self.temporary(), ..value });
         let exchanged = compare.is_some().then(|| self.temporary());
         let site = self.statement_site(frame, frame.span);
@@ -146,6 +134,27 @@ impl<'m> Compiler<'m> {
             frame.values.insert(result, Value::Registers(all.into()));
         }
         Ok(())
+    }
+
+    /// What an atomic function does, with the value that it compares with.
+    pub(super) fn combine(
+        &mut self,
+        frame: &mut Frame<'m>,
+        function: &AtomicFunction,
+    ) -> Result<(Combine, Option<Reg>), InterpError> {
+        Ok(match *function {
+            AtomicFunction::Add => (Combine::Add, None),
+            AtomicFunction::Subtract => (Combine::Subtract, None),
+            AtomicFunction::And => (Combine::And, None),
+            AtomicFunction::ExclusiveOr => (Combine::Xor, None),
+            AtomicFunction::InclusiveOr => (Combine::Or, None),
+            AtomicFunction::Min => (Combine::Min, None),
+            AtomicFunction::Max => (Combine::Max, None),
+            AtomicFunction::Exchange { compare } => {
+                let compare = compare.map(|handle| self.single(frame, handle)).transpose()?;
+                (Combine::Exchange, compare.map(|register| register.reg))
+            }
+        })
     }
 
     pub(super) fn barrier(&mut self, frame: &Frame<'m>, barrier: Barrier, span: naga::Span) -> Result<(), InterpError> {
@@ -193,7 +202,7 @@ impl<'m> Compiler<'m> {
             return Err(unsupported("arrays of run-time size".to_owned(), span));
         };
         let to = self.temporary();
-        self.push(Inst::Length { memory: memory.index, to });
+        self.push(Inst::Length { memory: memory.index, of: Extent::Elements, to });
         Ok(Register { scalar: Scalar::U32, reg: to })
     }
 }

@@ -219,15 +219,14 @@ impl<'m> Compiler<'m> {
             Statement::MemoryBarrier(_) if !self.subject.shared.is_empty() || self.subject.dispatch.is_some() => {}
             Statement::MemoryBarrier(_) => return refuse("memory barriers"),
             Statement::ImageStore { image, coordinate, array_index, value } => {
-                match self.storage_image(frame, *image) {
-                    Some(memory) => self.store_texel(frame, memory, (*coordinate, *array_index), *value)?,
-                    None => return refuse("writing images"),
-                }
+                self.store_texel(frame, *image, (*coordinate, *array_index), *value, span)?;
             }
             Statement::Atomic { pointer, fun, value, result } => {
                 self.atomic(frame, *pointer, fun, *value, *result)?;
             }
-            Statement::ImageAtomic { .. } => return refuse("atomics on images"),
+            Statement::ImageAtomic { image, coordinate, array_index, fun, value } => {
+                self.atomic_texel(frame, *image, (*coordinate, *array_index), (fun, *value), span)?;
+            }
             Statement::WorkGroupUniformLoad { pointer, result } => {
                 self.uniform_load(frame, *pointer, *result, span)?;
             }

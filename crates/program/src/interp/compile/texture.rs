@@ -7,7 +7,7 @@ use naga::{Expression, Handle, ImageQuery, SampleLevel, SwizzleComponent};
 
 use super::super::code::{Inst, Register, Word2};
 use super::super::domain::{Binary, Comparison, FromWords, Site, ToWords, Unary};
-use super::{Compiler, Frame, InterpError, unsupported};
+use super::{Compiler, Frame, InterpError, Value, unsupported};
 use crate::Texture;
 use crate::texture::{Dimension, Texel};
 use base::value::Scalar;
@@ -24,8 +24,13 @@ struct At {
 }
 
 impl<'m> Compiler<'m> {
-    fn bound(&self, frame: &Frame<'m>, image: Handle<Expression>, span: naga::Span) -> Result<Bound<'m>, InterpError> {
-        let Expression::GlobalVariable(global) = frame.function.expressions[image] else {
+    fn bound(
+        &mut self,
+        frame: &mut Frame<'m>,
+        image: Handle<Expression>,
+        span: naga::Span,
+    ) -> Result<Bound<'m>, InterpError> {
+        let Value::Image(global) = self.value(frame, image)? else {
             return Err(unsupported("a texture that is computed".to_owned(), span));
         };
         let found = self.subject.textures.iter().position(|t| t.image == global);
@@ -102,6 +107,9 @@ impl<'m> Compiler<'m> {
         if sample.is_some() {
             return Err(unsupported("textures with several samples".to_owned(), span));
         }
+        if let Some(texel) = self.load_texel(frame, site, image, (coordinate, array_index))? {
+            return Ok(texel);
+        }
         let texture = self.bound(frame, image, span)?;
         let coordinate = self.registers(frame, coordinate)?.to_vec();
         let [width, height, depth] = texture.1.contents.size();
@@ -134,6 +142,9 @@ impl<'m> Compiler<'m> {
         (image, query): (Handle<Expression>, ImageQuery),
         span: naga::Span,
     ) -> Result<Vec<Register>, InterpError> {
+        if let Some(numbers) = self.storage_query(frame, (image, query))? {
+            return Ok(numbers);
+        }
         let (_, texture) = self.bound(frame, image, span)?;
         let [width, height, layers] = texture.contents.size();
         let numbers = match query {

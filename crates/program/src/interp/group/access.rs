@@ -8,11 +8,21 @@ use super::super::domain::Site;
 pub(in crate::interp) struct Step {
     /// The index.
     pub reg: Reg,
-    /// Words from one element to the next.
+    /// Words from one element to the next; of a texel, along the first axis.
     pub stride: u32,
-    /// Number of elements; `None` for an array that is as long as its memory.
-    pub len: Option<u32>,
+    pub len: Extent,
     pub site: Site,
+}
+
+/// A number of elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::interp) enum Extent {
+    /// Known when the program is compiled.
+    Fixed(u32),
+    /// As many as the memory has room for.
+    Elements,
+    /// Texels of an image along an axis.
+    Side(usize),
 }
 
 /// What is done at a place in memory.
@@ -57,8 +67,6 @@ pub(in crate::interp) struct MemoryAccess {
     pub op: MemoryOp,
     /// An atomic number is read or written.
     pub atomic: bool,
-    /// What is outside reads as 0 and is not written, and nobody is told.
-    pub quiet: bool,
     pub site: Site,
 }
 

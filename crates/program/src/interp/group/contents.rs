@@ -33,10 +33,9 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
     fn load(&mut self, access: &MemoryAccess, k: usize, parts: &[(Register, u32)]) {
         let active = self.machines[k].active;
         let memory = access.memory as usize;
-        let beyond = if access.quiet { 0 } else { self.dispatch.outside };
-        let outside = D::cell(beyond);
+        let outside = if self.contents[memory].is_image { 0 } else { self.dispatch.outside };
         let touch = if access.atomic { Access::Atomic } else { Access::Read };
-        let mut cells = vec![[outside; SLOTS]; parts.iter().filter(|(to, _)| to.file() == File::Real).count()];
+        let mut cells = vec![[D::cell(outside); SLOTS]; parts.iter().filter(|(to, _)| to.file() == File::Real).count()];
         let mut open = Mask::NONE;
         for slot in active.slots() {
             let place = self.place(access, k, slot);
@@ -60,7 +59,7 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
                         reals += 1;
                     }
                     File::Word => {
-                        let bits = word.map_or(beyond, |word| contents.bits(word));
+                        let bits = word.map_or(outside, |word| contents.bits(word));
                         let bits = if to.scalar == Scalar::Bool { u32::from(bits != 0) } else { bits };
                         self.machines[k].words[to.reg as usize][slot] = bits;
                     }
@@ -107,10 +106,7 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
         let mut at = u64::from(access.offset);
         for step in &access.steps {
             let index = self.machines[k].words[step.reg as usize][slot];
-            let len = step.len.unwrap_or(contents.elements);
-            if index >= len && access.quiet {
-                return None;
-            }
+            let len = contents.extent(step.len);
             if index >= len {
                 let touch = match access.op {
                     MemoryOp::Load(_) => Access::Read,
@@ -131,7 +127,7 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
                 self.log.report(incident);
                 return None;
             }
-            at += u64::from(index) * u64::from(step.stride);
+            at += u64::from(index) * u64::from(step.stride) * contents.row(step.len);
         }
         usize::try_from(at).ok()
     }

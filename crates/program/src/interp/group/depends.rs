@@ -6,30 +6,42 @@ use naga::BuiltIn;
 
 use super::super::code::{Constant, Executable, File, Inst, Reg, Touch};
 use super::super::domain::Site;
-use super::access::{MemoryAccess, MemoryOp, Step};
+use super::access::{Extent, MemoryAccess, MemoryOp, Step};
 use super::shape::Space;
 
-/// A set of memories by their numbers; all from the 64th on are one.
+/// Sets of memories by their numbers, those whose contents and those whose sizes have a say; all from the 64th on are one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Sources(u64);
+pub struct Sources {
+    contents: u64,
+    sizes: u64,
+}
 
 impl Sources {
     fn one(memory: u32) -> Self {
-        Self(1 << memory.min(63))
+        Self { contents: 1 << memory.min(63), sizes: 0 }
+    }
+
+    fn size(memory: u32) -> Self {
+        Self { contents: 0, sizes: 1 << memory.min(63) }
     }
 
     fn or(self, other: Self) -> Self {
-        Self(self.0 | other.0)
+        Self { contents: self.contents | other.contents, sizes: self.sizes | other.sizes }
     }
 
     /// True where only the numbers of the invocation, constants and lengths have a say.
     pub fn is_empty(self) -> bool {
-        self.0 == 0
+        self.contents == 0
     }
 
-    /// True when a memory is in the set.
+    /// True when the contents of a memory have a say.
     pub fn has(self, memory: usize) -> bool {
-        self.0 >> memory.min(63) & 1 == 1
+        self.contents >> memory.min(63) & 1 == 1
+    }
+
+    /// True when the size of an image has a say.
+    pub fn has_size(self, memory: usize) -> bool {
+        self.sizes >> memory.min(63) & 1 == 1
     }
 }
 
@@ -57,6 +69,8 @@ impl Depends {
 pub struct Uses {
     /// Memories whose length the program reads.
     pub lengths: HashSet<u32>,
+    /// Images whose size the program reads.
+    pub sizes: HashSet<u32>,
     /// Memories on which atomic functions are used.
     pub atomics: HashSet<u32>,
     /// Words that are read at a fixed place: the memory, and the distance from its beginning.
@@ -124,8 +138,14 @@ impl Executable {
     pub fn uses(&self) -> Uses {
         let mut uses = Uses::default();
         super::super::shape::each(&self.body, &mut |inst| match inst {
+            Inst::Length { memory, of: Extent::Side(_), .. } => {
+                uses.sizes.insert(*memory);
+            }
             Inst::Length { memory, .. } => {
                 uses.lengths.insert(*memory);
+            }
+            Inst::Memory(access) if reads_size(self, access) => {
+                uses.sizes.insert(access.memory);
             }
             Inst::Memory(MemoryAccess { memory, atomic: true, .. }) => {
                 uses.atomics.insert(*memory);
@@ -244,6 +264,10 @@ impl Pass {
         });
         let mut given = read;
         match inst {
+            Inst::Memory(access) if reads_size(executable, access) => {
+                self.note(access.site, Sources::default(), here);
+                given = here.or(Sources::size(access.memory));
+            }
             Inst::Memory(access) => {
                 let step = |all: Sources, step: &Step| all.or(self.of(File::Word, step.reg));
                 let leads = access.steps.iter().fold(Sources::default(), step);
@@ -261,7 +285,8 @@ impl Pass {
                     given = given.or(Sources::one(access.memory));
                 }
             }
-            Inst::Length { .. } | Inst::Extent { .. } => given = here,
+            Inst::Length { memory, of: Extent::Side(_), .. } => given = here.or(Sources::size(*memory)),
+            Inst::Length { .. } => given = here,
             Inst::Barrier { site } => self.note(*site, Sources::default(), here),
             Inst::Subgroup(inst) => self.note(inst.site, Sources::default(), here),
             Inst::Loop { site, .. } => self.note(*site, Sources::default(), here),
@@ -316,6 +341,13 @@ impl Pass {
     fn leave(&mut self, sources: Sources) {
         self.left = self.left.or(sources);
     }
+}
+
+/// True for a load of the size in front of an image that lies in a buffer.
+fn reads_size(executable: &Executable, access: &MemoryAccess) -> bool {
+    let shape = executable.memories.get(access.memory as usize);
+    let texels = shape.filter(|shape| shape.image.is_some()).and_then(|shape| shape.array.as_ref());
+    access.steps.is_empty() && texels.is_some_and(|array| access.offset < array.offset)
 }
 
 fn any(body: &[Inst], is: &dyn Fn(&Inst) -> bool) -> bool {

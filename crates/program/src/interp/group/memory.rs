@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 
 use super::super::domain::Site;
-use super::Left;
+use super::access::Extent;
 use super::cells::{InMemory, RealCombine};
 use super::shape::{MemoryShape, Space};
+use super::{Buffer, Left};
 
 /// Something that is wrong with how invocations use memory or wait for each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -124,13 +125,18 @@ pub(super) struct Contents<D: InMemory> {
     /// Words that atomic functions on real numbers added to since they were last stored.
     sums: HashMap<usize, D::Sum>,
     /// Elements of the array at its end.
-    pub elements: u32,
+    elements: u32,
+    /// Texels of an image along each axis.
+    sides: [u32; 3],
+    /// True for an image: what is outside of it reads as 0.
+    pub is_image: bool,
     /// Words up to the last one that was touched.
     pub reach: usize,
 }
 
 impl<D: InMemory> Contents<D> {
-    pub(super) fn new(shape: &MemoryShape, words: Vec<u32>, elements: u32, written: bool, watched: bool) -> Self {
+    pub(super) fn new(shape: &MemoryShape, buffer: Buffer, written: bool, watched: bool) -> Self {
+        let Buffer { words, elements, sides } = buffer;
         let len = words.len();
         Self {
             space: shape.space,
@@ -141,7 +147,26 @@ impl<D: InMemory> Contents<D> {
             open: Vec::new(),
             sums: HashMap::new(),
             elements,
+            sides,
+            is_image: shape.is_image(),
             reach: 0,
+        }
+    }
+
+    /// How many elements there are, or texels along an axis.
+    pub(super) fn extent(&self, extent: Extent) -> u32 {
+        match extent {
+            Extent::Fixed(len) => len,
+            Extent::Elements => self.elements,
+            Extent::Side(axis) => self.sides[axis],
+        }
+    }
+
+    /// Elements from one to the next in an index: along each axis of an image, those of all axes before.
+    pub(super) fn row(&self, extent: Extent) -> u64 {
+        match extent {
+            Extent::Fixed(_) | Extent::Elements => 1,
+            Extent::Side(axis) => self.sides[..axis].iter().map(|&side| u64::from(side)).product(),
         }
     }
 

@@ -18,6 +18,7 @@ mod shape;
 mod subgroup;
 #[cfg(test)]
 mod tests;
+mod texels;
 mod whole;
 
 use naga::BuiltIn;
@@ -35,9 +36,10 @@ pub use depends::{Depends, Sources, Uses};
 pub use memory::{Access, Incident, Party, Wrong};
 pub use shape::{Array, Leaf, MemoryShape, Space};
 pub use subgroup::WIDTH;
+pub use texels::{Channel, Texels};
 pub use whole::{Ran, Whole};
 
-pub(super) use access::{Combine, MemoryAccess, MemoryOp, Step};
+pub(super) use access::{Combine, Extent, MemoryAccess, MemoryOp, Step};
 use memory::{Contents, Log};
 pub(super) use subgroup::{Fold, From, Subgroup, SubgroupOp};
 
@@ -89,8 +91,8 @@ pub struct Buffer {
     pub words: Vec<u32>,
     /// Elements of the array at its end.
     pub elements: u32,
-    /// For a storage image, texels along each axis.
-    pub extent: [u32; 3],
+    /// Texels of an image along each axis.
+    pub sides: [u32; 3],
 }
 
 /// What a dispatch did.
@@ -136,12 +138,13 @@ impl Executable {
         let machines = (0..(size as usize).div_ceil(SLOTS)).map(|_| Machine::new(self, domain(), 0)).collect();
         let fill = |(shape, buffer): (&MemoryShape, &Buffer)| match shape.space {
             Space::Workgroup => {
-                Contents::new(shape, vec![0; shape.words as usize], 0, dispatch.zeroed, dispatch.watched)
+                let empty = Buffer { words: vec![0; shape.words as usize], ..Buffer::default() };
+                Contents::new(shape, empty, dispatch.zeroed, dispatch.watched)
             }
             Space::Storage { .. } | Space::Uniform => {
-                let mut words = buffer.words.clone();
-                shape.narrow(&mut words);
-                Contents::new(shape, words, buffer.elements, true, dispatch.watched)
+                let mut buffer = buffer.clone();
+                shape.narrow(&mut buffer.words);
+                Contents::new(shape, buffer, true, dispatch.watched)
             }
         };
         let contents = self.memories.iter().zip(dispatch.buffers).map(fill).collect();
@@ -240,8 +243,8 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
         let size: usize = self.dispatch.size.iter().map(|&n| n as usize).product();
         for (contents, shape) in self.contents.iter_mut().zip(&self.executable.memories) {
             if shape.space == Space::Workgroup {
-                let words = vec![0; shape.words as usize];
-                *contents = Contents::new(shape, words, 0, self.dispatch.zeroed, self.dispatch.watched);
+                let empty = Buffer { words: vec![0; shape.words as usize], ..Buffer::default() };
+                *contents = Contents::new(shape, empty, self.dispatch.zeroed, self.dispatch.watched);
             }
         }
         for (k, machine) in self.machines.iter_mut().enumerate() {
@@ -322,13 +325,9 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
     fn step(&mut self, inst: &'e Inst) {
         match inst {
             Inst::Memory(access) => self.access(access),
-            Inst::Length { memory, to } => {
-                let elements = self.contents[*memory as usize].elements;
-                self.machines.iter_mut().for_each(|machine| machine.words[*to as usize] = [elements; SLOTS]);
-            }
-            Inst::Extent { memory, axis, to } => {
-                let extent = self.dispatch.buffers[*memory as usize].extent[usize::from(*axis)];
-                self.machines.iter_mut().for_each(|machine| machine.words[*to as usize] = [extent; SLOTS]);
+            Inst::Length { memory, of, to } => {
+                let count = self.contents[*memory as usize].extent(*of);
+                self.machines.iter_mut().for_each(|machine| machine.words[*to as usize] = [count; SLOTS]);
             }
             Inst::Barrier { site } => self.barrier(*site),
             Inst::Subgroup(inst) => self.subgroup(inst),

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::super::halved;
+use super::texels::Texels;
 use base::value::Scalar;
 
 /// Who sees a memory, and what may be done with it.
@@ -77,11 +78,33 @@ pub struct MemoryShape {
     pub fixed: Vec<Leaf>,
     /// What is at its end, where its size is left to the host.
     pub array: Option<Array>,
-    /// For a storage image, its axes, layers among them.
-    pub image: Option<usize>,
+    /// For an image, what its elements are.
+    pub image: Option<Texels>,
 }
 
 impl MemoryShape {
+    /// True for an array that is as long as its host makes it.
+    pub fn is_open(&self) -> bool {
+        self.array.is_some() && self.image.is_none()
+    }
+
+    /// True for an image with a type of its own, which lies in no buffer.
+    pub fn is_image(&self) -> bool {
+        self.image.as_ref().is_some_and(|texels| !texels.is_in_buffer())
+    }
+
+    /// Coordinates of the texel at a word of an image with these sides.
+    pub fn texel(&self, word: u32, sides: [u32; 3]) -> Option<Vec<u32>> {
+        let (texels, array) = (self.image.as_ref()?, self.array.as_ref()?);
+        let mut rest = word.checked_sub(array.offset)? / array.stride;
+        let mut coordinates = Vec::new();
+        for side in &sides[..texels.axes] {
+            coordinates.push(rest % side.max(&1));
+            rest /= side.max(&1);
+        }
+        Some(coordinates)
+    }
+
     /// Words with so many elements in the array.
     pub fn words_with(&self, elements: u32) -> usize {
         let array =

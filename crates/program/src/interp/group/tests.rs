@@ -44,7 +44,7 @@ fn run_in(text: &str, words: u32, zeroed: bool, subgroup: u32) -> Outcome {
     let executable = Executable::compile(&subject).unwrap();
     let buffer = |shape: &super::MemoryShape| {
         let elements = if shape.array.is_some() { words } else { 0 };
-        Buffer { words: (0..shape.words_with(elements) as u32).collect(), elements, extent: [1; 3] }
+        Buffer { words: (0..shape.words_with(elements) as u32).collect(), elements, sides: [0; 3] }
     };
     let buffers: Vec<Buffer> = executable.memories().iter().map(buffer).collect();
     let size = point.workgroup_size;

@@ -60,6 +60,7 @@ impl Whole {
         let mut buffers = buffers.into_iter();
         let bound = |shape: &super::MemoryShape| match shape.space {
             Space::Workgroup => None,
+            Space::Storage { .. } if shape.is_image() => None,
             Space::Storage { .. } | Space::Uniform => buffers.next(),
         };
         let bound = executable.memories.iter().map(bound).collect();
@@ -87,7 +88,7 @@ impl BoundBuffer {
             words[byte as usize / unit] = record[word as usize];
         }
         let elements = shape.array.as_ref().map_or(0, |array| (words.len() as u32 - array.offset) / array.stride);
-        Buffer { words, elements, extent: [1; 3] }
+        Buffer { words, elements, sides: [0; 3] }
     }
 }
 
