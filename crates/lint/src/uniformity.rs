@@ -19,7 +19,7 @@ const MOST_CALLS: usize = 12;
 const MOST_STEPS: usize = 100_000;
 
 /// Invocations of the largest subgroups in use: who writes a kernel for a work group of no more counts on one subgroup.
-const SUBGROUP: u32 = 64;
+const SUBGROUP: u64 = 64;
 
 /// Why a value may differ from one invocation to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -124,7 +124,7 @@ pub fn parted(shader: &Shader, module: &Module, entry: &EntryPoint) -> BTreeSet<
 /// to be the same for all of a group part nobody.
 pub fn parted_barriers(shader: &Shader, kernel: &Kernel, splits: &Splits) -> BTreeSet<Parted> {
     let mut walk = Walk::new(shader, Some(splits), State::default(), kernel.function);
-    walk.one_subgroup = kernel.size.is_none_or(|size| size.iter().product::<u32>() <= SUBGROUP);
+    walk.one_subgroup = kernel.invocations().is_none_or(|count| count <= SUBGROUP);
     for variable in &shader.interface().globals {
         let varies = variable.initializer.map_or(Varies::NOT, |value| walk.eval(value, None));
         walk.set(variable.symbol, varies, true);
@@ -347,7 +347,10 @@ impl<'s> Walk<'s> {
                 let varies = self.eval(*left, here);
                 let parts = varies.any() && !self.is_shown_the_same(*left);
                 let inside = here.or(parts.then_some((*left, varies)));
-                self.eval(*right, inside) | varies
+                let other = self.eval(*right, inside);
+                // One of them may part invocations whatever the host does.
+                let apart = |v: Varies| v.any() && !v.by_dispatch_alone();
+                varies | other | if apart(varies) || apart(other) { Varies::DATA } else { Varies::NOT }
             }
             ExprKind::Assign { op, op_span: _, target, value } => {
                 let mut varies = self.eval(*value, here) | parted_by(here) | self.indices(*target, here);

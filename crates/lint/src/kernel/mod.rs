@@ -43,6 +43,11 @@ pub struct Kernel {
 }
 
 impl Kernel {
+    /// Invocations of a work group, as far as the text states its size.
+    pub fn invocations(&self) -> Option<u64> {
+        self.size.map(|size| size.iter().fold(1_u64, |all, n| all.saturating_mul(u64::from(*n))))
+    }
+
     /// The axis of a built-in value that an expression is, by the names of the value in WGSL and in GLSL.
     pub fn axis_of(&self, shader: &Shader, id: ExprId, wgsl: &str, glsl: &str) -> Option<usize> {
         use syntax::ast::ExprKind;

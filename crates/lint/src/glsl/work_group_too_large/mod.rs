@@ -34,8 +34,7 @@ const EMBEDDED: u64 = 128;
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     let shader = &file.shader;
     for kernel in kernels(shader) {
-        let Some(size) = kernel.size else { continue };
-        let count: u64 = size.iter().map(|s| u64::from(*s)).product();
+        let (Some(size), Some(count)) = (kernel.size, kernel.invocations()) else { continue };
         let Some((level, why)) = limit(shader, size, count) else { continue };
         let [x, y, z] = size;
         let span = place(shader).unwrap_or(shader.function_info(kernel.function).name.span);
