@@ -9,6 +9,7 @@ use std::time::Instant;
 use engine::suite::run::DEFAULT_SEED;
 use shadercheck::cli::check::Format;
 use shadercheck::cli::fuzz::{FuzzArgs, run};
+use shadercheck::cli::inputs::InputArgs;
 
 const LIBRARY: &str = include_str!("library.glsl");
 const SAMPLES: u64 = 1 << 16;
@@ -20,7 +21,7 @@ fn main() -> anyhow::Result<()> {
     let args = FuzzArgs {
         files: vec![path],
         samples: SAMPLES,
-        seed: DEFAULT_SEED,
+        input: InputArgs { seed: DEFAULT_SEED, ..InputArgs::default() },
         format: Format::Json,
         ..FuzzArgs::default()
     };

@@ -427,8 +427,8 @@ fn early_drafts_become_the_language_of_today() {
             "@vertex fn main(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> { return vec4<f32>(); }",
         ),
         (
-            "[[stage(compute), workgroup_size(8, N)]] fn main() -> void { const a = 1; if (a > 2) { } elseif (a < 1) { } }",
-            "@compute @workgroup_size(8, N) fn main()  { let a = 1; if (a > 2) { } else if (a < 1) { } }",
+            "[[stage(compute), workgroup_size(8, 4)]] fn main() -> void { const a = 1; if (a > 2) { } elseif (a < 1) { } }",
+            "@compute @workgroup_size(8, 4) fn main()  { let a = 1; if (a > 2) { } else if (a < 1) { } }",
         ),
         ("[[location 0]] [[set 1, binding 2]]\nfn f() {}", "@location(0) @group(1) @binding(2)\nfn f() {}"),
         (

@@ -34,6 +34,8 @@ impl Varies {
     const GROUP: Self = Self(2);
     /// It follows from data, or from inputs of the stage.
     const DATA: Self = Self(4);
+    /// It follows from what an atomic function gives, which is another for each invocation.
+    const ORDER: Self = Self(8);
 
     fn any(self) -> bool {
         self.0 & !Self::GROUP.0 != 0
@@ -263,7 +265,8 @@ impl<'s> Walk<'s> {
     /// Why invocations part at a condition.
     fn test(&mut self, condition: ExprId, here: Reason) -> Reason {
         let varies = self.eval(condition, here);
-        here.or((varies.any() && !self.is_shown_the_same(condition)).then_some((condition, varies)))
+        let shown = varies.0 & Varies::ORDER.0 == 0 && self.is_shown_the_same(condition);
+        here.or((varies.any() && !shown).then_some((condition, varies)))
     }
 
     /// True where the numbers of the invocations show that a condition is the same for all of a work group.
@@ -423,8 +426,8 @@ impl<'s> Walk<'s> {
         }
         match name {
             "workgroupUniformLoad" | "arrayLength" | "textureDimensions" | "textureNumLevels" => Varies::NOT,
-            _ if name.starts_with("atomic") => any | Varies::DATA,
-            _ if self.splits.is_some() && name.starts_with("imageAtomic") => any | Varies::DATA,
+            _ if name.starts_with("atomic") => any | Varies::DATA | Varies::ORDER,
+            _ if self.splits.is_some() && name.starts_with("imageAtomic") => any | Varies::DATA | Varies::ORDER,
             _ if self.one_subgroup && is_of_a_subgroup(name) => Varies::NOT,
             _ if self.splits.is_some() && name.starts_with("subgroup") => any | Varies::DATA,
             _ => any,

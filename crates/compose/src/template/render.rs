@@ -100,6 +100,10 @@ impl Work<'_> {
                     let unknown = self.unknown(text);
                     let alone = unknown.len() == 1 && unknown[0].1.len() == text.trim().len();
                     for (path, range) in unknown {
+                        // What a loop gives is known when it is gone through.
+                        if self.local.contains(path.split(['.', '[']).next().unwrap_or_default()) {
+                            continue;
+                        }
                         let found = match is_list(text, &range) {
                             true => Some((3, list())),
                             false => by_place(file, *span, self.assumed.len()),
@@ -114,7 +118,7 @@ impl Work<'_> {
                 }
                 Node::If(_, branches) => branches.iter().for_each(|branch| self.look(file, &branch.body)),
                 Node::For(_, of) => {
-                    self.local.extend(of.names.iter().cloned());
+                    self.local.extend(of.names.iter().cloned().chain(["loop".to_owned()]));
                     self.look(file, &of.body);
                 }
                 Node::Set(_, name, _) => drop(self.local.insert(name.clone())),
@@ -362,6 +366,7 @@ fn written(value: &Value) -> String {
     let number = f64::try_from(value.clone()).ok().filter(|number| number.fract() == 0.0 && number.abs() < 1e15);
     match number {
         Some(number) if value.is_number() => format!("{number:.0}"),
+        _ if value.kind() == minijinja::value::ValueKind::Bool => value.is_true().to_string(),
         _ => value.to_string(),
     }
 }

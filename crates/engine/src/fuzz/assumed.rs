@@ -9,6 +9,9 @@ use syntax::{Lacks, Parsed};
 /// Macros that are assumed: names and values.
 pub type Assumed = Vec<(String, String)>;
 
+/// Reads a text with more macros.
+type Parse<'p> = dyn Fn(&[(String, String)]) -> Parsed + 'p;
+
 /// Times that names are looked for which only show when others are known.
 const ROUNDS: usize = 6;
 
@@ -23,7 +26,7 @@ const VALUES: [&str; 3] = ["32", "1", "4"];
 
 /// What is assumed of a text that `parse` reads with more macros; none where nothing is lacking, or it has errors whatever is
 /// assumed.
-pub fn assumed(parse: &dyn Fn(&[(String, String)]) -> Parsed) -> Option<Assumed> {
+pub fn assumed(parse: &Parse<'_>) -> Option<Assumed> {
     let mut parsed = parse(&[]);
     // A version that stands elsewhere, or another language, is more than a macro.
     if parsed.shader.lacking().is_empty() || parsed.shader.wgsl().is_some() {

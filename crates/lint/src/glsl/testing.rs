@@ -43,6 +43,11 @@ fn repaired_of(found: Vec<Diagnostic>, text: &str) -> Repaired {
     (found.iter().map(|d| d.code.0).collect(), fixed)
 }
 
+/// How often a rule finds something at the default level.
+pub fn default_count(code: Code, name: &str, text: &str) -> usize {
+    run(&[Input::new(SourceFile::new(name, text))]).iter().filter(|d| d.code == code).count()
+}
+
 /// How often a rule finds something at the strict level.
 pub fn strict_count(code: Code, name: &str, text: &str) -> usize {
     let settings = Settings { selection: Selection::default().at(Level::Strict), ..Settings::default() };
