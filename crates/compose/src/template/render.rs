@@ -101,7 +101,7 @@ impl Work<'_> {
                     let alone = unknown.len() == 1 && unknown[0].1.len() == text.trim().len();
                     for (path, range) in unknown {
                         // What a loop gives is known when it is gone through.
-                        if self.local.contains(path.split(['.', '[']).next().unwrap_or_default()) {
+                        if path.split(['.', '[']).next() == Some("loop") {
                             continue;
                         }
                         let found = match is_list(text, &range) {
@@ -118,7 +118,7 @@ impl Work<'_> {
                 }
                 Node::If(_, branches) => branches.iter().for_each(|branch| self.look(file, &branch.body)),
                 Node::For(_, of) => {
-                    self.local.extend(of.names.iter().cloned().chain(["loop".to_owned()]));
+                    self.local.extend(of.names.iter().cloned());
                     self.look(file, &of.body);
                 }
                 Node::Set(_, name, _) => drop(self.local.insert(name.clone())),
