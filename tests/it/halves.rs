@@ -86,7 +86,7 @@ fn a_device_that_errs_as_far_as_it_may_is_not_accused() {
             let lane = Adversary::lane(wgsl, Stage::Compute, Strategy::Extreme, seed, false);
             let report = judged(&prepared, &lane, promises.clone(), 4096);
             assert_eq!(report.verdicts.deviated, 0, "{function}: {:?}", report.findings);
-            assert!(report.verdicts.agreed > 2000, "{function}: {:?}", report.verdicts);
+            assert!(report.verdicts.agreed > 1000, "{function}: {:?}", report.verdicts);
         }
     }
 }

@@ -99,7 +99,7 @@ fn a_finding_stands_at_the_authors_line_and_its_twin_is_silent() {
         );
         let reads = if compiler == "slangc" { "slangc" } else { "glslang" };
         assert!(ran.err.contains(&format!("note: {name} is read by {reads}")), "{}", ran.err);
-        assert!(ran.out.contains(&format!("--compiler {compiler} --domain")), "{}", ran.out);
+        assert!(ran.out.contains(&format!(" --compiler {compiler} --lane")), "{}", ran.out);
         with(compiler, at("x * x + 1.0").path(), &args).expect(0);
     });
 }
