@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::kernel::{Split, kernels, splits};
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
-use crate::uniformity::{Parted, parted_barriers};
+use crate::uniformity::{Parted, parted_barriers, with_condition};
 use base::diagnostic::{Code, Severity, message};
 
 /// The rule.
@@ -55,28 +55,20 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
                     "バリアはワークグループの全インベケーションを待ちますが、ここに来ないものがありえます"
                 ),
             };
+            let found = findings.at(
+                &file.file,
+                shader.expr(call).span,
+                message!(
+                    "this barrier stands where not all invocations come",
+                    "このバリアは、全インベケーションの来ない所にあります"
+                ),
+            );
             findings.push_at(
                 level,
-                findings
-                    .at(
-                        &file.file,
-                        shader.expr(call).span,
-                        message!(
-                            "this barrier stands where not all invocations come",
-                            "このバリアは、全インベケーションの来ない所にあります"
-                        ),
-                    )
-                    .with_label(message!("not in uniform control flow", "一様でない制御フロー"))
-                    .with_related(
-                        &file.file,
-                        shader.expr(by).span,
-                        message!("not the same for all invocations", "インベケーションごとに異なる"),
-                    )
-                    .with_why(why)
-                    .with_help(message!(
-                        "move it out of the condition; instead of returning early, guard what reads and writes",
-                        "条件の外に移してください。早く戻る代わりに、読み書きだけを条件で囲んでください"
-                    )),
+                with_condition(found, file, by).with_why(why).with_help(message!(
+                    "move it out of the condition; instead of returning early, guard what reads and writes",
+                    "条件の外に移してください。早く戻る代わりに、読み書きだけを条件で囲んでください"
+                )),
             );
         }
     }

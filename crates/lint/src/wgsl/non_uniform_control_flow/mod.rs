@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
-use crate::uniformity::{Parted, parted};
+use crate::uniformity::{Parted, parted, with_condition};
 use base::diagnostic::{Code, Severity, message};
 use syntax::wgsl::Module;
 
@@ -56,25 +56,15 @@ fn check(file: &ShaderFile, module: &Module, findings: &mut Findings<'_>) {
                 "条件の前で呼び出すか、詳細度を指定してください（`textureSampleLevel`）"
             )
         };
-        findings.push(
-            findings
-                .at(
-                    &file.file,
-                    span,
-                    message!(
-                        "`{name}` stands where not all invocations come",
-                        "`{name}` が、全インベケーションの来ない所にあります"
-                    ),
-                )
-                .with_label(message!("not in uniform control flow", "一様でない制御フロー"))
-                .with_related(
-                    &file.file,
-                    shader.expr(by).span,
-                    message!("not the same for all invocations", "インベケーションごとに異なる"),
-                )
-                .with_why(why)
-                .with_help(help),
+        let found = findings.at(
+            &file.file,
+            span,
+            message!(
+                "`{name}` stands where not all invocations come",
+                "`{name}` が、全インベケーションの来ない所にあります"
+            ),
         );
+        findings.push(with_condition(found, file, by).with_why(why).with_help(help));
     }
 }
 
