@@ -79,46 +79,54 @@ impl Brackets {
             return None;
         }
         let flushes = model.flushes();
-        let one = |x: Id, of: fn(f64, f64) -> (f64, f64)| {
-            let (low, high) = self.of(x);
-            columns(flushes, |slot| (low[slot], high[slot], 0.0, 0.0), |x0, x1, _, _| of(x0, x1))
-        };
-        let two = |x: Id, y: Id, of: fn(f64, f64, f64, f64) -> (f64, f64)| {
-            let ((x0, x1), (y0, y1)) = (self.of(x), self.of(y));
-            columns(flushes, |slot| (x0[slot], x1[slot], y0[slot], y1[slot]), of)
-        };
         Some(match meta.kind {
             NodeKind::Leaf if op == Op::Convert => {
                 let value = arena.value.get(id as usize);
                 columns(flushes, |slot| (value[slot], value[slot], 0.0, 0.0), |x, _, _, _| (nearest(x), nearest(x)))
             }
             NodeKind::Sum { a, signs: (sign, 0.0), .. } => match sign < 0.0 {
-                true => one(a, |x0, x1| (-x1, -x0)),
-                false => one(a, |x0, x1| (x0, x1)),
+                true => self.one(a, flushes, |x0, x1| (-x1, -x0)),
+                false => self.one(a, flushes, |x0, x1| (x0, x1)),
             },
             NodeKind::Sum { a, b, signs } => match (signs.0 < 0.0, signs.1 < 0.0) {
-                (false, false) => two(a, b, |x0, x1, y0, y1| (nearest(x0 + y0), nearest(x1 + y1))),
-                (false, true) => two(a, b, |x0, x1, y0, y1| (nearest(x0 - y1), nearest(x1 - y0))),
-                (true, false) => two(a, b, |x0, x1, y0, y1| (nearest(y0 - x1), nearest(y1 - x0))),
-                (true, true) => two(a, b, |x0, x1, y0, y1| (nearest(-x1 - y1), nearest(-x0 - y0))),
+                (false, false) => self.two([a, b], flushes, |x0, x1, y0, y1| (nearest(x0 + y0), nearest(x1 + y1))),
+                (false, true) => self.two([a, b], flushes, |x0, x1, y0, y1| (nearest(x0 - y1), nearest(x1 - y0))),
+                (true, false) => self.two([a, b], flushes, |x0, x1, y0, y1| (nearest(y0 - x1), nearest(y1 - x0))),
+                (true, true) => self.two([a, b], flushes, |x0, x1, y0, y1| (nearest(-x1 - y1), nearest(-x0 - y0))),
             },
-            NodeKind::Product { a, b } => two(a, b, |x0, x1, y0, y1| corners([x0 * y0, x0 * y1, x1 * y0, x1 * y1])),
+            NodeKind::Product { a, b } => {
+                self.two([a, b], flushes, |x0, x1, y0, y1| corners([x0 * y0, x0 * y1, x1 * y0, x1 * y1]))
+            }
             NodeKind::Two { a, b, .. } => match op {
-                Op::Div => two(a, b, |x0, x1, y0, y1| {
+                Op::Div => self.two([a, b], flushes, |x0, x1, y0, y1| {
                     let quotients = corners([x0 / y0, x0 / y1, x1 / y0, x1 / y1]);
                     if (y0 > 0.0) | (y1 < 0.0) { quotients } else { (f64::NAN, f64::NAN) }
                 }),
-                Op::Min => two(a, b, |x0, x1, y0, y1| (x0.min(y0), x1.min(y1))),
-                Op::Max => two(a, b, |x0, x1, y0, y1| (x0.max(y0), x1.max(y1))),
+                Op::Min => self.two([a, b], flushes, |x0, x1, y0, y1| (x0.min(y0), x1.min(y1))),
+                Op::Max => self.two([a, b], flushes, |x0, x1, y0, y1| (x0.max(y0), x1.max(y1))),
                 _ => return None,
             },
             NodeKind::One { a, .. } => match op {
-                Op::Abs => one(a, |x0, x1| (x0.max(-x1).max(0.0), x1.max(-x0))),
-                Op::Sqrt => one(a, |x0, x1| (nearest(x0.sqrt()), nearest(x1.sqrt()))),
+                Op::Abs => self.one(a, flushes, |x0, x1| (x0.max(-x1).max(0.0), x1.max(-x0))),
+                Op::Sqrt => self.one(a, flushes, |x0, x1| (nearest(x0.sqrt()), nearest(x1.sqrt()))),
                 _ => return None,
             },
             NodeKind::Leaf | NodeKind::Select { .. } => return None,
         })
+    }
+
+    /// The ends of a function of one argument. Only what is inlined into `of` becomes vector instructions.
+    #[inline(always)]
+    fn one(&self, x: Id, flushes: bool, of: impl Fn(f64, f64) -> (f64, f64)) -> [Slots; 2] {
+        let (low, high) = self.of(x);
+        columns(flushes, |slot| (low[slot], high[slot], 0.0, 0.0), |x0, x1, _, _| of(x0, x1))
+    }
+
+    /// The same of two arguments.
+    #[inline(always)]
+    fn two(&self, [x, y]: [Id; 2], flushes: bool, of: impl Fn(f64, f64, f64, f64) -> (f64, f64)) -> [Slots; 2] {
+        let ((x0, x1), (y0, y1)) = (self.of(x), self.of(y));
+        columns(flushes, |slot| (x0[slot], x1[slot], y0[slot], y1[slot]), of)
     }
 }
 
