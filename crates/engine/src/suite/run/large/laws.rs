@@ -87,12 +87,10 @@ impl Laws<'_> {
         let batches: Vec<_> = inputs.iter().map(|input| Sample::batch(std::slice::from_ref(input))).collect();
         let passes: Vec<_> = batches.iter().map(|batch| Passes::new(self.context, batch)).collect();
         let mut ran = Vec::with_capacity(batches.len());
-        // While the lane runs, the interpreter goes through them.
+        // While the lane runs, the interpreter goes through them, and has one of them in memory. An error is told where the
+        // result is asked for.
         rayon::in_place_scope(|scope| {
-            for passes in &passes {
-                // An error is told where the result is asked for.
-                scope.spawn(|_| drop(meaning_whole(passes)));
-            }
+            scope.spawn(|_| passes.iter().for_each(|passes| drop(meaning_whole(passes))));
             ran.extend(batches.iter().map(|batch| self.runner.run(batch)));
         });
         let meant = self.read(relation, &inputs, &passes, &|passes, _| meaning_whole(passes))?;
