@@ -141,6 +141,9 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     if let Some(shard) = shard {
         let mut files = Vec::new();
         for source in &sources {
+            for note in source.notes() {
+                writeln!(err, "note: {note}")?;
+            }
             let (errors, subjects) = subjects((&args.function, &args.input.define), source, &mut known)?;
             for error in &errors {
                 err.write_all(report::diagnostics::text(error, Lang::En, false).as_bytes())?;
@@ -157,8 +160,7 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     }
     let mut progress = Bar::new(args.format == Format::Text);
     for source in &sources {
-        let assumed = if is_glsl(source) { source.assumed_version(&args.input.define) } else { None };
-        for note in source.notes().iter().chain(&assumed).filter(|_| args.format == Format::Text) {
+        for note in source.notes().iter().filter(|_| args.format == Format::Text) {
             progress.suspend(|| writeln!(err, "note: {note}"))?;
         }
         let mut printed = Printed { out, args, color, many: sources.len() > 1 };
@@ -221,11 +223,6 @@ pub(super) fn all_known(functions: &[String], known: &[String]) -> anyhow::Resul
     anyhow::bail!("there is no function `{name}` with a body; {hint}")
 }
 
-/// True for a text in GLSL.
-fn is_glsl(source: &IncludedText) -> bool {
-    Written::of(&source.file) == Written::Glsl
-}
-
 /// The name of a function without the types of its parameters.
 fn base(label: &str) -> &str {
     label.split('(').next().unwrap_or(label)
@@ -248,7 +245,7 @@ fn one_file(
     progress: &mut Bar,
     printed: &mut Printed<'_>,
 ) -> anyhow::Result<FileReport> {
-    let mut report = FileReport { file: source.name.clone(), ..FileReport::default() };
+    let mut report = FileReport { file: source.name.clone(), notes: source.notes(), ..FileReport::default() };
     let text = printed.args.format == Format::Text;
     if text && printed.many {
         progress.suspend(|| writeln!(printed.out, "{}", source.name))?;

@@ -31,6 +31,8 @@ pub struct IncludedText {
     joined: Option<Joined>,
     /// Macros that a build may give, and that nothing in it defines.
     assumed: Assumed,
+    /// What to tell of a version that it does not name.
+    version: Option<String>,
 }
 
 /// Reads a file and what it includes: `"path"` beside the file that asks and then in the stated folders, `<path>` in
@@ -65,6 +67,7 @@ pub fn with_includes(file: &SourceFile, path: &Path, given: &Given<'_>) -> anyho
         includes,
         joined,
         assumed: Assumed::new(),
+        version: None,
     })
 }
 
@@ -97,6 +100,7 @@ pub fn read_all(path: &Path, given: &Given<'_>, stage: Option<Stage>) -> anyhow:
             includes,
             joined: None,
             assumed: Assumed::new(),
+            version: None,
         })
     };
     printed.into_iter().map(text).collect()
@@ -135,7 +139,7 @@ impl IncludedText {
     }
 
     /// What to tell of the version that is taken for a compute shader which names none.
-    pub fn assumed_version(&self, defines: &[(String, String)]) -> Option<String> {
+    fn assumed_version(&self, defines: &[(String, String)]) -> Option<String> {
         if self.stage != Stage::Compute
             || Shader::parse_with(&self.file, self.stage, defines).shader.version().span.is_some()
         {
@@ -184,6 +188,7 @@ impl IncludedText {
     }
 
     /// The same, where macros that a build or a host may give stand for something plain, if the text holds no errors then.
+    /// What is assumed is among the [notes](Self::notes).
     #[must_use]
     pub fn assuming(self, defines: &[(String, String)]) -> Self {
         if Written::of(&self.file) != Written::Glsl {
@@ -191,7 +196,8 @@ impl IncludedText {
         }
         let with = |more: &[(String, String)]| self.parsed(&[defines, more].concat());
         let assumed = engine::fuzz::assumed(&with).unwrap_or_default();
-        Self { assumed, ..self }
+        let version = self.assumed_version(defines);
+        Self { assumed, version, ..self }
     }
 
     /// Macros that are assumed.
@@ -199,11 +205,11 @@ impl IncludedText {
         &self.assumed
     }
 
-    /// What is worth knowing about where parts of the text come from.
+    /// What is worth knowing about where parts of the text come from, and about what is assumed.
     pub fn notes(&self) -> Vec<String> {
         let joined = self.joined.as_ref().map(Joined::notes).unwrap_or_default();
-        let assumed = (!self.assumed.is_empty()).then(|| engine::fuzz::note(&self.assumed));
-        joined.into_iter().chain(assumed).collect()
+        let assumed = (!self.assumed.is_empty()).then(|| engine::fuzz::assumption_note(&self.assumed));
+        joined.into_iter().chain(assumed).chain(self.version.clone()).collect()
     }
 
     /// A diagnostic with what is known about includes that were not found.

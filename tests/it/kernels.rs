@@ -226,6 +226,8 @@ fn macros_of_a_build_are_assumed_and_told() {
     let right = BUILT.replace("LAST", "0u");
     let ran = run(&right, "").expect(0);
     assert!(ran.err.contains("note: assumed --define WIDTH=32 --define ELEMENT=float: "), "{ran:?}");
+    let told = run(&right, "--format json").expect(0).json()["files"][0]["notes"].to_string();
+    assert!(told.contains("assumed --define WIDTH=32"), "{told}");
     // What is stated is not assumed.
     let ran = run(&right, "--define WIDTH=8 --define ELEMENT=uint").expect(0);
     assert!(!ran.err.contains("assumed"), "{ran:?}");

@@ -44,17 +44,20 @@ pub fn assumed(parse: &Parse<'_>) -> Option<Assumed> {
             if known || all.len() == MOST || !may_be_given(&parsed, &name, what) {
                 return None;
             }
-            all.push((name.clone(), plainest(&name, what)));
-            kinds.push(what);
+            let sized = of_32_bits(&name);
+            // What a type is that says its size, nothing else may be.
+            let others: &[&str] = match what {
+                _ if sized.is_some() => &[],
+                Lacks::Type | Lacks::Function => &TYPES,
+                Lacks::Value => &VALUES,
+            };
+            all.push((name.clone(), sized.unwrap_or_else(|| plainest(&name, what))));
+            kinds.push(others);
         }
         parsed = parse(&all);
     }
     let mut left = errors(&parsed);
-    for (k, what) in kinds.into_iter().enumerate() {
-        let others: &[&str] = match what {
-            Lacks::Type | Lacks::Function => &TYPES,
-            Lacks::Value => &VALUES,
-        };
+    for (k, others) in kinds.into_iter().enumerate() {
         for other in others {
             if left == 0 {
                 break;
@@ -81,7 +84,25 @@ fn errors(parsed: &Parsed) -> usize {
 fn may_be_given(parsed: &Parsed, name: &str, what: Lacks) -> bool {
     let macro_like = syntax::is_macro(name);
     let slip = parsed.diagnostics.iter().any(|d| d.help.is_some() && d.file.slice(d.span) == name);
-    !slip && !name.starts_with("gl_") && (macro_like || what == Lacks::Type)
+    // Numbers of 64 bits have more digits than any that could stand for them.
+    let wide = !macro_like && name.contains("64");
+    !slip && !wide && !name.starts_with("gl_") && (macro_like || what == Lacks::Type)
+}
+
+/// The type of 32 bits for one of an extension that is smaller or says its size (GL_EXT_shader_explicit_arithmetic_types):
+/// `uint8_t`, `f16vec2`.
+fn of_32_bits(name: &str) -> Option<String> {
+    const BITS: [&str; 3] = ["8", "16", "32"];
+    let scalars = [("uint", "uint", "u", "uvec"), ("int", "int", "i", "ivec"), ("float", "float", "f", "vec")];
+    scalars.into_iter().find_map(|(long, scalar, short, vector)| {
+        let sized = |text: &str| BITS.contains(&text);
+        let single = name.strip_prefix(long).and_then(|rest| rest.strip_suffix("_t")).filter(|bits| sized(bits));
+        let several = || {
+            let (bits, count) = name.strip_prefix(short)?.split_once("vec")?;
+            (sized(bits) && ["2", "3", "4"].contains(&count)).then(|| format!("{vector}{count}"))
+        };
+        single.map(|_| scalar.to_owned()).or_else(several)
+    })
 }
 
 /// What a name stands for at first. A function of one argument becomes a conversion.
@@ -94,11 +115,23 @@ fn plainest(name: &str, what: Lacks) -> String {
     }
 }
 
-/// The note about what is assumed.
-pub fn note(assumed: &[(String, String)]) -> String {
-    let words: Vec<String> = assumed.iter().map(|(name, value)| format!("--define {name}={value}")).collect();
-    let names = if assumed.len() == 1 { "a name that nothing defines" } else { "names that nothing defines" };
-    format!("assumed {}: {names} here, as a build or a host may; state others by --define", words.join(" "))
+/// What to tell of what is assumed.
+pub fn assumption_note(assumed: &[(String, String)]) -> String {
+    let (types, names): (Vec<_>, Vec<_>) = assumed.iter().partition(|(name, _)| of_32_bits(name).is_some());
+    let words = |of: Vec<&(String, String)>| {
+        of.into_iter().map(|(name, value)| format!("--define {name}={value}")).collect::<Vec<_>>().join(" ")
+    };
+    let mut told = Vec::new();
+    if !names.is_empty() {
+        let what = if names.len() == 1 { "a name that nothing defines" } else { "names that nothing defines" };
+        told.push(format!("assumed {}: {what} here, as a build or a host may; state others by --define", words(names)));
+    }
+    if !types.is_empty() {
+        let what =
+            "types of other sizes, for which those of 32 bits stand: their ranges and places in buffers are others";
+        told.push(format!("assumed {}: {what}", words(types)));
+    }
+    told.join("; ")
 }
 
 #[cfg(test)]
@@ -124,6 +157,22 @@ mod tests {
         let text = "layout(local_size_x = 8) in;\nlayout(binding = 0) buffer B { ELEMENT x[]; };\n\
                     void main() { x[0].xyz = x[1].yzw; }\n";
         assert_eq!(of(text), pairs(&[("ELEMENT", "vec4")]));
+    }
+
+    #[test]
+    fn types_that_say_their_size_keep_their_kind() {
+        let text = "layout(local_size_x = 8) in;\nlayout(binding = 0) buffer B { uint8_t x[]; };\n\
+                    layout(binding = 1) buffer C { f16vec2 y[]; };\nvoid main() { y[0].x = float(x[0] & 3u); }\n";
+        let found = of(text).unwrap();
+        assert_eq!(Some(&found), pairs(&[("uint8_t", "uint"), ("f16vec2", "vec2")]).as_ref());
+        assert!(assumption_note(&found).contains("places in buffers are others"));
+        for (name, kind) in [("int16_t", "int"), ("float32_t", "float"), ("u8vec4", "uvec4"), ("i32vec3", "ivec3")] {
+            assert_eq!(of_32_bits(name).as_deref(), Some(kind), "{name}");
+        }
+        for name in ["uint_t", "float16", "f16mat2", "vec2", "u8vec5", "i24vec2"] {
+            assert_eq!(of_32_bits(name), None, "{name}");
+        }
+        assert_eq!(of(&text.replace("uint8_t", "uint64_t")), None, "no type of 32 bits holds that");
     }
 
     #[test]

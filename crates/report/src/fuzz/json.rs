@@ -25,6 +25,7 @@ struct Lane<'a> {
 #[derive(Serialize)]
 struct File<'a> {
     file: &'a str,
+    notes: &'a [String],
     errors: Vec<Error>,
     functions: Vec<Function<'a>>,
 }
@@ -144,6 +145,7 @@ pub fn json(summary: &Summary) -> String {
             .iter()
             .map(|file| File {
                 file: &file.file,
+                notes: &file.notes,
                 errors: file
                     .errors
                     .iter()

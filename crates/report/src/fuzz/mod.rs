@@ -34,6 +34,8 @@ pub struct Summary {
 pub struct FileReport {
     /// Name of the file, as it was given.
     pub file: String,
+    /// What is assumed of it, and where parts of it come from.
+    pub notes: Vec<String>,
     /// Why it does not compile.
     pub errors: Vec<Diagnostic>,
     /// Its functions in the order of the text.
