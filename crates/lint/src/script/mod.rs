@@ -54,7 +54,7 @@ impl Script {
     pub fn read(file: &SourceFile) -> Self {
         let text = file.text();
         let Some(language) =
-            Language::of(file.name()).filter(|_| may_hold(text) || may_feed(text) || webgpu::may_say(text))
+            Language::of(file.name()).filter(|_| may_hold(text) || may_feed(text) || may_say_modules(text))
         else {
             return Self::default();
         };
@@ -63,7 +63,9 @@ impl Script {
         let mut shaders = if may_hold(text) { shaders(&code) } else { Vec::new() };
         // Those in GLSL come first: the others are no part of programs.
         let of_programs = shaders.len();
-        modules(&code, &webgpu.texts, &mut shaders);
+        let mut texts = webgpu.texts.clone();
+        texts.extend(strings::with_entry_points(file, &code.tokens).filter(|place| !webgpu.texts.contains(place)));
+        modules(&code, &texts, &mut shaders);
         if !may_feed(text) {
             return Self { shaders, webgpu, ..Self::default() };
         }
@@ -137,6 +139,11 @@ fn modules(code: &Code<'_>, places: &[Span], into: &mut Vec<Embedded>) {
             wgsl: true,
         });
     }
+}
+
+/// True for code that uses WebGPU, or keeps a module of WGSL for who does.
+fn may_say_modules(text: &str) -> bool {
+    webgpu::may_say(text) || strings::has_entry_point(text)
 }
 
 /// Words of code that feeds shaders.

@@ -56,6 +56,27 @@ pub fn modules(file: &SourceFile, tokens: &[Token<'_>], places: &[Span]) -> Vec<
     tokens.iter().enumerate().filter_map(whole).collect()
 }
 
+/// True for a text with a function of a stage, as WGSL writes it.
+pub fn has_entry_point(text: &str) -> bool {
+    text.contains("fn ") && ["@compute", "@vertex", "@fragment"].iter().any(|stage| text.contains(stage))
+}
+
+/// The strings that hold a function of a stage in WGSL, and to which nothing is joined.
+pub fn with_entry_points<'t>(file: &'t SourceFile, tokens: &'t [Token<'t>]) -> impl Iterator<Item = Span> + 't {
+    // A call behind it, or a mark of a template in front of it, may make another text of it.
+    let joins = |at: Option<usize>| {
+        let token = at.and_then(|at| tokens.get(at));
+        matches!(token, Some(Token::Mark('+' | '.' | '%') | Token::String { .. }))
+    };
+    tokens.iter().enumerate().filter_map(move |(at, token)| {
+        let Token::String { place, inner, .. } = *token else { return None };
+        let text = file.slice(inner);
+        let alone = !joins(at.checked_sub(1)) && !joins(Some(at + 1));
+        let whole = text.matches('{').count() == text.matches('}').count();
+        (alone && whole && has_entry_point(text)).then_some(place)
+    })
+}
+
 /// Tokens that make one text.
 struct Chain {
     /// The first token.

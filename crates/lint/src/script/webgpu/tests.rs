@@ -119,6 +119,24 @@ fn texts_in_strings_are_modules() {
 }
 
 #[test]
+fn a_module_that_is_kept_for_others_is_one() {
+    let module = "\nvar<private> seed: u32;\n@compute @workgroup_size(1) fn main() { _ = seed; }\n";
+    let told = |host: &str| {
+        let found = run(&[Input::new(SourceFile::new("a.js", host))]);
+        found.iter().map(|d| format!("{} {}", d.file.locate(d.span.start), d.code)).collect::<Vec<_>>()
+    };
+    assert_eq!(told(&format!("const source = /* wgsl */ `{module}`\nexport default source")), ["a.js:2:14 W003"]);
+    for other in [
+        format!("export const source = `{module}` + rest;"),
+        format!("export const source = head + `{module}`;"),
+        format!("export const source = `{module}`.replace('seed', name);"),
+        format!("export const source = `{module} fn f() {{`;"),
+    ] {
+        assert_eq!(told(&other), [""; 0], "{other}");
+    }
+}
+
+#[test]
 fn rules_on_modules_report_in_strings() {
     let host = "const m = device.createShaderModule({ code: `\nvar<private> seed: u32;\n@compute @workgroup_size(1) fn main() { _ = seed; }\n` });\n";
     let told: Vec<String> = run(&[Input::new(SourceFile::new("a.ts", host))])
