@@ -249,9 +249,19 @@ impl Library for Modules {
         if wanted.import && Path::new(&wanted.path).extension().is_none() {
             paths = ENDINGS.iter().map(|ending| format!("{}.{ending}", wanted.path)).collect();
         }
-        let folders = std::iter::once(own.clone()).filter(|_| wanted.quoted).chain(self.folders.clone());
-        let candidates: Vec<PathBuf> =
+        // Engines name files from the folder of all shaders, which is one around them.
+        let mut around = if wanted.quoted { ancestors(&own) } else { Vec::new() };
+        let outer = around.split_off(around.len().min(1));
+        let folders = around.into_iter().chain(self.folders.clone()).chain(outer.clone());
+        let mut candidates: Vec<PathBuf> =
             folders.flat_map(|folder| paths.iter().map(move |path| folder.join(path)).collect::<Vec<_>>()).collect();
+        // Or by the name of their package: `routines/structures.wgsl` for a file in any folder of it.
+        if let Some((package, rest)) = wanted.path.split_once('/').filter(|_| wanted.quoted) {
+            let is_package =
+                |folder: &PathBuf| folder.file_name().is_some_and(|name| name.to_string_lossy() == package);
+            let inside = outer.iter().position(is_package).map_or(&[][..], |last| &outer[..last]);
+            candidates.extend(std::iter::once(&own).filter(|_| !inside.is_empty()).chain(inside).map(|f| f.join(rest)));
+        }
         for path in candidates {
             if refusal(&path, &within).is_none() && path.is_file() {
                 return self.read(&path);
@@ -434,6 +444,18 @@ mod tests {
         let text = composed(&files, &["lib"]);
         assert!(["fn a()", "fn b()", "fn c()"].iter().all(|f| text.contains(f)), "{text}");
         assert!(composed(&files, &[]).contains("E070 main.wgsl:3:9 no module is found for `c`"));
+    }
+
+    #[test]
+    fn included_files_lie_in_the_folder_of_all_shaders_or_go_by_their_package() {
+        let main = |named: &str| format!("#include \"{named}\"\nfn f() {{ a(); }}\n");
+        let (around, package) = (main("parts/a.wgsl"), main("routines/a.wgsl"));
+        let part = ("shaders/parts/a.wgsl", "fn a() {}\n");
+        assert!(composed(&[("shaders/pool/main.wgsl", &around), part], &[]).contains("fn a()"));
+        let beside = ("routines/src/a.wgsl", "fn a() {}\n");
+        assert!(composed(&[("routines/src/main.wgsl", &package), beside], &[]).contains("fn a()"));
+        let told = composed(&[("others/src/main.wgsl", &package), ("others/src/a.wgsl", "fn a() {}\n")], &[]);
+        assert!(told.contains("E070 others/src/main.wgsl:1:1"), "{told}");
     }
 
     #[test]

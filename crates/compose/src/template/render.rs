@@ -336,6 +336,11 @@ impl Work<'_> {
             let help = "name its folder with `-I FOLDER`";
             return self.problems.add(errors::IMPORT, file, span, format!("`{path}` is not found"), help);
         };
+        // What is declared twice is an error, so that engines take a file with declarations once.
+        let again = self.included.iter().any(|own| own.name() == found.name());
+        if again && ["fn ", "struct "].iter().any(|word| found.text().contains(word)) {
+            return;
+        }
         self.included.push(found.clone());
         let Some((nodes, loose)) = tree(&found) else {
             return self.out.copy(&found, Span::new(0, found.text().len()));

@@ -75,6 +75,10 @@ fn loops_and_files_are_put_in() {
     let Filled { text, errors, .. } =
         rendered("{% include 'b.wgsl' %}\nf();", &[("T", "f16")], &[("b.wgsl", "{# a\n note #}alias S = {{ T }};")]);
     assert_eq!((text.as_str(), errors.len()), ("alias S = f16;\nf();", 0));
+    // What declares something is taken once, what does not as often as it is named.
+    let twice = |part: &str| rendered("{% include 'b' %}{% include 'b' %}", &[], &[("b", part)]);
+    assert_eq!(twice("struct S { x: f32 }").text, "struct S { x: f32 }");
+    assert_eq!(twice("x += 1;").text, "x += 1;x += 1;");
     assert_eq!(filled("{% include \"c\" %}", &[]).1, ["a.wgsl:1:1 `c` is not found"]);
 }
 
