@@ -505,6 +505,16 @@ impl<'s> Build<'s> {
         self.insert(None, inner)
     }
 
+    /// True for an atomic integer, and for what has one inside.
+    pub(super) fn holds_atomics(&self, ty: Handle<naga::Type>) -> bool {
+        match &self.module.types[ty].inner {
+            TypeInner::Atomic(_) => true,
+            TypeInner::Array { base, .. } => self.holds_atomics(*base),
+            TypeInner::Struct { members, .. } => members.iter().any(|member| self.holds_atomics(member.ty)),
+            _ => false,
+        }
+    }
+
     pub(super) fn is_atomic(&self, ty: Handle<naga::Type>) -> bool {
         matches!(self.module.types[ty].inner, TypeInner::Atomic(_))
     }

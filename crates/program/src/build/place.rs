@@ -190,6 +190,11 @@ impl Fun<'_, '_> {
 
     /// Reads a place.
     pub(super) fn load(&mut self, place: &Place) -> Result<Val> {
+        if let Some(parts) = self.parts_with_atomics(place)? {
+            let ty = self.ty(&place.ty)?;
+            let components = parts.iter().map(|part| Ok(self.load(part)?.e)).collect::<Result<_>>()?;
+            return Ok(Val { e: self.add(Expression::Compose { ty, components }), ty: place.ty.clone() });
+        }
         let e = self.add(Expression::Load { pointer: place.ptr });
         let Some(picked) = &place.swizzle else {
             let e = self.decoded(e, place.host, &place.ty)?;
@@ -198,6 +203,19 @@ impl Fun<'_, '_> {
         let whole = self.wider(&place.ty, place.host);
         let e = self.decoded(e, place.host, &whole)?;
         self.swizzle(&Val { e, ty: whole }, picked)
+    }
+
+    /// The parts of a structure or array that holds atomic integers: it is no value, but each of them is one.
+    fn parts_with_atomics(&mut self, place: &Place) -> Result<Option<Vec<Place>>> {
+        if self.build.is_atomic(place.host) || !self.build.holds_atomics(place.host) {
+            return Ok(None);
+        }
+        let parts = self.parts_of(place.host, &place.ty)?;
+        let part = |(index, (host, ty)): (u32, (Handle<NagaType>, Type))| {
+            let ptr = self.add(Expression::AccessIndex { base: place.ptr, index });
+            Place { ptr, ty, host, swizzle: None }
+        };
+        Ok(Some((0..).zip(parts).map(part).collect()))
     }
 
     /// Type of the vector that a swizzle is taken of.
@@ -211,6 +229,13 @@ impl Fun<'_, '_> {
 
     /// Writes a value of the place's type.
     pub(super) fn store(&mut self, place: &Place, value: &Val) -> Result<()> {
+        if let Some(parts) = self.parts_with_atomics(place)? {
+            for (k, part) in (0..).zip(parts) {
+                let e = self.part(value.e, k);
+                self.store(&part, &Val { e, ty: part.ty.clone() })?;
+            }
+            return Ok(());
+        }
         let Some(picked) = place.swizzle.clone() else {
             let value = self.encoded(value.e, place.host, &place.ty)?;
             self.push(Statement::Store { pointer: place.ptr, value });
@@ -288,30 +313,31 @@ impl Fun<'_, '_> {
         result: Handle<NagaType>,
         each: fn(&mut Self, Expr, Handle<NagaType>, &Type) -> Result<Expr>,
     ) -> Result<Expr> {
-        let parts: Vec<(Handle<NagaType>, Type)> = match ty {
-            Type::Array(element, _) => {
-                let host = self.build.element(host);
-                vec![(host, element.as_ref().clone()); count(ty) as usize]
-            }
-            Type::Struct(s) => {
-                let members = self.build.members(host);
-                let data = s.fields.iter().filter(|f| !f.ty.contains_opaque() || super::types::has_data(&f.ty));
-                members.into_iter().zip(data.map(|f| f.ty.clone())).collect()
-            }
-            _ => {
-                return Err(self.build.unsupported(
-                    self.at,
-                    format!("`{ty}` in memory of another layout"),
-                    "copy its parts",
-                ));
-            }
-        };
         let mut components = Vec::new();
-        for (k, (host, ty)) in parts.into_iter().enumerate() {
+        for (k, (host, ty)) in self.parts_of(host, ty)?.into_iter().enumerate() {
             let part = self.add(Expression::AccessIndex { base: e, index: u32::try_from(k).unwrap_or(0) });
             components.push(each(self, part, host, &ty)?);
         }
         Ok(self.add(Expression::Compose { ty: result, components }))
+    }
+
+    /// The elements or members of a type in memory: as they lie there, and in the language.
+    fn parts_of(&mut self, host: Handle<NagaType>, ty: &Type) -> Result<Vec<(Handle<NagaType>, Type)>> {
+        match ty {
+            Type::Array(element, _) => {
+                let host = self.build.element(host);
+                Ok(vec![(host, element.as_ref().clone()); count(ty) as usize])
+            }
+            Type::Struct(s) => {
+                let members = self.build.members(host);
+                let data = s.fields.iter().filter(|f| !f.ty.contains_opaque() || super::types::has_data(&f.ty));
+                Ok(members.into_iter().zip(data.map(|f| f.ty.clone())).collect())
+            }
+            _ => {
+                let message = format!("`{ty}` in memory of another layout");
+                Err(self.build.unsupported(self.at, message, "copy its parts"))
+            }
+        }
     }
 
     /// A value in a variable of its own, so that a computed index can reach into it.
