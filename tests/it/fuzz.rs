@@ -101,6 +101,19 @@ fn a_division_that_has_no_value_is_found_at_its_smallest() {
 }
 
 #[test]
+fn what_a_function_leaves_unset_when_it_says_no_is_no_fault() {
+    let text = |says: &str| {
+        format!(
+            "bool ray(float a, out float t) {{ float u; if (a < 0.5) {{ t = u; return {says}; }} t = a; return true; }}"
+        )
+    };
+    let right = only(&text("false"), "a=[0,1]");
+    assert!(right.findings.is_empty(), "{:?}", right.findings);
+    let wrong = only(&text("true"), "a=[0,1]");
+    assert_eq!(kinds(&wrong, Severity::Finding), [FuzzFindingKind::Unset]);
+}
+
+#[test]
 fn weights_that_all_vanish_are_an_underflow() {
     let text = "float first(vec2 d) { vec2 w = exp(-d * d); return w.x / (w.x + w.y); }";
     let report = only(text, "d=[-20,20]");

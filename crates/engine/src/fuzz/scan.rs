@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use base::value::{Batch, Record};
+use base::value::{Batch, Record, Scalar, Shape};
 use judge::verdict::{ENDLESS, Rounds};
 use lanes::interrupt;
 use program::interp::{Binary32, Binary64, Executable, HazardKind, Machine, Number, OutputColumn, POISON, SLOTS};
@@ -147,7 +147,7 @@ pub fn scan(executable: &Executable, record: &Record, batch: &Batch) -> Vec<Look
                     return vec![Look { rounds: Rounds::Unknown, ..Look::default() }; chunk.len()];
                 }
                 let mut looks = chunk_of(meaning, strict, record, batch, chunk);
-                undefined(meaning, batch, chunk, &mut looks);
+                undefined(meaning, record, batch, chunk, &mut looks);
                 looks
             },
         )
@@ -261,18 +261,29 @@ fn paired(words: &[Word]) -> Option<([f64; 2], usize)> {
 }
 
 /// Leaves undefined values out that no output depends on, and notes the others.
-fn undefined(meaning: &mut Machine<'_, Binary64>, batch: &Batch, chunk: &[usize], looks: &mut [Look]) {
+fn undefined(meaning: &mut Machine<'_, Binary64>, record: &Record, batch: &Batch, chunk: &[usize], looks: &mut [Look]) {
     let touched: Vec<usize> = (0..looks.len()).filter(|&slot| looks[slot].undefined).collect();
     if touched.is_empty() {
         return;
     }
     let invocations: Vec<usize> = touched.iter().map(|&slot| chunk[slot]).collect();
-    for (slot, found) in touched.into_iter().zip(meaning.dependences(batch, &invocations, false)) {
+    let failed: Vec<bool> = touched.iter().map(|&slot| says_no(meaning, record, slot)).collect();
+    for ((slot, found), failed) in touched.into_iter().zip(meaning.dependences(batch, &invocations, false)).zip(failed)
+    {
         looks[slot].undefined = found.is_some();
-        if let Some(found) = found {
+        let unset = |kind| matches!(kind, HazardKind::Unset);
+        if let Some(found) = found.filter(|found| !(failed && unset(found.of.kind))) {
             looks[slot].note(Trouble::of(found.of.kind), (0, 0));
         }
     }
+}
+
+/// True where a function returns `false`: there is no intersection, no root, no hit, and what its `out` parameters hold then,
+/// nobody is to read.
+fn says_no(meaning: &Machine<'_, Binary64>, record: &Record, slot: usize) -> bool {
+    let returned =
+        record.fields().first().filter(|field| field.name == "return" && field.shape == Shape::vector(Scalar::Bool, 1));
+    returned.is_some() && matches!(meaning.output(0, 0), OutputColumn::Word(words) if words[slot] == 0)
 }
 
 /// Compares one word.
