@@ -29,7 +29,7 @@ fn told(report: &Value) -> Vec<(String, String, u64)> {
 }
 
 /// The wrong twins: the fault that each has, whether it fails the run, and a line that is named.
-const WRONG: [(&str, &str, bool, u64); 27] = [
+const WRONG: [(&str, &str, bool, u64); 31] = [
     // A barrier that is missing behind a step of the sum.
     ("sum.wgsl", "race", true, 21),
     // Elements behind the last one are not filled.
@@ -84,6 +84,14 @@ const WRONG: [(&str, &str, bool, u64); 27] = [
     ("volume.wgsl", "index", true, 9),
     // Who has no texel leaves before the barrier.
     ("layers.wgsl", "divergence", true, 19),
+    // The barrier orders the memory of workgroups, and the values are in a storage buffer.
+    ("columns.wgsl", "race", false, 20),
+    // The same in GLSL.
+    ("pairs.comp", "race", false, 15),
+    // The mean of no neighbour.
+    ("flock.comp", "no_value", true, 19),
+    // Values without variance are divided by 0.
+    ("standard.wgsl", "no_value", false, 23),
 ];
 
 #[test]
@@ -110,6 +118,21 @@ fn each_wrong_kernel_is_found_by_kind_and_place() {
             told.iter().filter(|(_, severity, _)| severity == "finding").map(|(kind, ..)| &**kind).collect();
         assert!(kinds.is_subset(&BTreeSet::from([kind])), "{name}: {told:?}");
     }
+}
+
+/// A block with a counter: its structures are stored and loaded as a whole beside atomic functions on it.
+#[test]
+fn structures_beside_atomics_are_stored_and_loaded() {
+    let text = "#version 450\nlayout(local_size_x = 64) in;\nstruct Sum { uint value; };\n\
+                struct State { uint flag; Sum sums[2]; };\nlayout(binding = 0) buffer States { uint n; State states[]; };\n\
+                layout(binding = 1) buffer Out { uint o[]; };\nvoid main() {\n  uint i = gl_GlobalInvocationID.x;\n  \
+                Sum one; one.value = i;\n  atomicAdd(n, 1u);\n  if (i >= states.length() || i >= o.length()) return;\n  \
+                states[i].sums[1] = one;\n  State all = states[i];\n  o[i] = all.sums[1].value;\n}\n";
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("states.comp"), text).unwrap();
+    let report = run_in(folder.path(), "fuzz states.comp --lane embedded --samples 16 --format json").expect(0).json();
+    let function = &report["files"][0]["functions"][0];
+    assert!(function["dispatches"].as_u64().unwrap() > 2 && function["not_run"].is_null(), "{function}");
 }
 
 /// `sharpen` reads beyond the border of an image, and `halve` has more invocations than texels.

@@ -31,6 +31,39 @@ pub(super) struct Scenario {
     pub surplus: u64,
     /// Invocations of a subgroup.
     pub subgroup: u32,
+    /// What real numbers buffers hold before.
+    pub contents: Contents,
+}
+
+/// Real numbers that a host puts into storage buffers; those of uniform buffers are random.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Contents {
+    /// Random ones between −1 and 1.
+    Signed,
+    /// Random ones between 0 and 1.
+    Unit,
+    /// One number everywhere: positions that coincide, samples without variance.
+    Equal,
+}
+
+impl Contents {
+    /// Those of a variant of the choices of a host.
+    fn of(variant: u64) -> Self {
+        match variant {
+            super::run::EQUAL => Self::Equal,
+            n if n.is_multiple_of(2) => Self::Signed,
+            _ => Self::Unit,
+        }
+    }
+
+    /// In words.
+    pub(super) fn told(self) -> &'static str {
+        match self {
+            Self::Signed => "buffers hold random numbers between -1 and 1",
+            Self::Unit => "buffers hold random numbers between 0 and 1",
+            Self::Equal => "buffers hold 0.5 everywhere",
+        }
+    }
 }
 
 /// How the length of an array follows from the elements of a dispatch.
@@ -305,7 +338,7 @@ impl Dispatched {
                         for leaf in &array.leaves {
                             let at = array.offset as usize + index * array.stride as usize + leaf.offset as usize;
                             let name = if leaf.name.is_empty() { &shape.name } else { &*leaf.name };
-                            let word = host.element(name, leaf.scalar, &mut stream);
+                            let word = host.element((name, leaf.scalar), shape.space, &mut stream);
                             let texels = shape.image.as_ref();
                             words[at] = texels.map_or(word, |texels| images::held(texels, leaf.offset as usize, word));
                         }
@@ -319,7 +352,8 @@ impl Dispatched {
         }
         let product = |all: [u32; 3]| -> u64 { all.iter().map(|&n| u64::from(n)).product() };
         let surplus = (product(groups) * product(self.size)).saturating_sub(product(items));
-        Scenario { groups, executable: self.executable_for(items), buffers, settings, surplus, subgroup: WIDTH }
+        let (executable, contents) = (self.executable_for(items), Contents::of(variant));
+        Scenario { groups, executable, buffers, settings, surplus, subgroup: WIDTH, contents }
     }
 
     /// Runs a scenario. Loads outside of an array give the bits of `outside`.
@@ -440,7 +474,7 @@ impl Host {
     fn fixed(&self, shape: &MemoryShape, leaf: &Leaf, stream: &mut Stream) -> u32 {
         let name = if leaf.name.is_empty() { &shape.name } else { &*leaf.name };
         match leaf.scalar {
-            Scalar::F32 => self.element(name, Scalar::F32, stream),
+            Scalar::F32 => self.element((name, Scalar::F32), shape.space, stream),
             Scalar::Bool => (self.variant % 2) as u32,
             Scalar::I32 | Scalar::U32 => {
                 // What is written is counted up from 0.
@@ -464,13 +498,17 @@ impl Host {
         }
     }
 
-    /// A number of an array.
-    fn element(&self, name: &str, scalar: Scalar, stream: &mut Stream) -> u32 {
+    /// A number in a memory.
+    fn element(&self, (name, scalar): (&str, Scalar), space: Space, stream: &mut Stream) -> u32 {
         let all: u32 = self.items.iter().product();
         match scalar {
             Scalar::F32 => {
                 let unit = stream.unit();
-                let value = if self.variant.is_multiple_of(2) { 2.0 * unit - 1.0 } else { unit };
+                let value = match Contents::of(self.variant) {
+                    Contents::Signed => 2.0 * unit - 1.0,
+                    Contents::Equal if space != Space::Uniform => 0.5,
+                    Contents::Unit | Contents::Equal => unit,
+                };
                 (value as f32).to_bits()
             }
             Scalar::Bool => stream.below(2) as u32,

@@ -11,6 +11,9 @@ use lanes::interrupt;
 /// Contents of buffers that are tried for each size.
 const VARIANTS: u64 = 2;
 
+/// The choices of a host that puts one number everywhere.
+pub(super) const EQUAL: u64 = 2;
+
 /// Bits that loads outside of their arrays give the second time; as a number, 1.2e17.
 const OTHER: u32 = 0x5bd1_e995;
 
@@ -46,7 +49,9 @@ pub fn run(subject: &Dispatched, command: &str, report: &mut FunctionReport) {
             }
             unknown = unknown.or_else(|| subject.told_unknown(&lengths, &scenario, command));
             let harmless = subject.zeroed && is_same_whatever_is_outside(subject, &scenario, &outcome);
-            for incident in outcome.incidents {
+            // The root of a negative number is what was chosen here.
+            let chosen = |incident: &Incident| incident.what == Wrong::NotANumber && variant == 0;
+            for incident in outcome.incidents.into_iter().filter(|incident| !chosen(incident)) {
                 note(subject, &mut met, incident, (&scenario, harmless), &lengths);
             }
             for hazard in outcome.findings.into_iter().filter(|hazard| hazard.kind == HazardKind::Fuel) {
@@ -65,6 +70,7 @@ pub fn run(subject: &Dispatched, command: &str, report: &mut FunctionReport) {
             }
         }
     }
+    without_value(subject, &lengths, &mut met, report);
     let mut found: Vec<Finding> = met.iter().map(|met| subject.told(met, command)).collect();
     found.extend(endless.iter().map(|(hazard, scenario)| subject.told_endless(hazard, scenario, command)));
     found.extend(cut_off.map(|(count, scenario)| subject.told_cut_off(count, &scenario, command)));
@@ -72,6 +78,24 @@ pub fn run(subject: &Dispatched, command: &str, report: &mut FunctionReport) {
     found.extend(subject.told_width(&lengths, command));
     report.findings.extend(found);
     report.findings.sort_by_key(|finding| (finding.severity, finding.kind));
+}
+
+/// Looks for NaN with contents of buffers on which formulas break. Others follow from the first one, which is told.
+fn without_value(subject: &Dispatched, lengths: &[Length], met: &mut Vec<Met>, report: &mut FunctionReport) {
+    for items in subject.sizes().into_iter().rev().step_by(4) {
+        if interrupt::asked() || met.iter().any(|met| met.incident.what == Wrong::NotANumber) {
+            break;
+        }
+        let scenario = subject.scenario(items, Some(lengths), EQUAL);
+        let outcome = subject.play(&scenario, 0);
+        report.dispatches += 1;
+        let first = outcome.incidents.into_iter().find(|incident| incident.what == Wrong::NotANumber);
+        if let Some(incident) = first {
+            note(subject, met, incident, (&scenario, false), lengths);
+        }
+    }
+    let mut first = true;
+    met.retain(|met| met.incident.what != Wrong::NotANumber || std::mem::take(&mut first));
 }
 
 /// WGSL bounds loads: what they give outside matters where it gets into a buffer. `select` evaluates both of its values,

@@ -5,7 +5,7 @@ use program::interp::group::{Buffer, Space, WIDTH, Wrong};
 use program::{Form, Kernel, Program};
 
 use super::Dispatched;
-use super::host::Scenario;
+use super::host::{Contents, Scenario};
 use super::run::Met;
 
 /// Of a batch of dispatches, what makes their meaning open: races, and barriers that some invocations do not reach. Each is
@@ -28,12 +28,19 @@ pub fn open_meaning(author: &Program, kernel: &Kernel, batch: &Batch) -> Result<
             about.map_or_else(Buffer::default, |about| about.filled(shape, batch, k))
         });
         let buffers = memories.collect();
-        let executable = subject.executable.clone();
-        let scenario =
-            Scenario { groups: *groups, executable, buffers, settings: Vec::new(), surplus: 0, subgroup: WIDTH };
+        let (executable, contents) = (subject.executable.clone(), Contents::Signed);
+        let scenario = Scenario {
+            groups: *groups,
+            executable,
+            buffers,
+            settings: Vec::new(),
+            surplus: 0,
+            subgroup: WIDTH,
+            contents,
+        };
         let outcome = subject.play(&scenario, 0);
         for incident in outcome.incidents {
-            let open = matches!(incident.what, Wrong::Race | Wrong::Divergence | Wrong::Apart);
+            let open = matches!(incident.what, Wrong::Race | Wrong::Unordered | Wrong::Divergence | Wrong::Apart);
             if open && met.iter().all(|own| !own.incident.is_same(&incident)) {
                 let scenario = scenario.clone();
                 met.push(Met { incident, scenario, length: None, guarded: false, harmless: false });

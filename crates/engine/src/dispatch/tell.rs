@@ -1,13 +1,15 @@
 //! What went wrong in a dispatch, in words.
 
+use program::Written;
 use program::interp::group::{Access, MemoryShape, Party, Sources, Space, Wrong, apart};
 use program::interp::{Finding as Hazard, Site};
 
-use super::host::{Length, Scenario};
+use super::host::{Contents, Length, Scenario};
 use super::run::Met;
 use super::{Dispatched, images};
 use crate::InputValue;
 use crate::fuzz::{Finding, FuzzFindingKind, Part, Severity, WORKGROUPS, place};
+use base::value::Scalar;
 
 impl Dispatched {
     /// An incident as a finding.
@@ -21,9 +23,10 @@ impl Dispatched {
         .map(|site| self.depends.of(site));
         let kind = match incident.what {
             Wrong::Outside => FuzzFindingKind::Index,
-            Wrong::Race | Wrong::SameValue => FuzzFindingKind::Race,
+            Wrong::Race | Wrong::Unordered | Wrong::SameValue => FuzzFindingKind::Race,
             Wrong::Divergence | Wrong::Apart => FuzzFindingKind::Divergence,
             Wrong::Unwritten => FuzzFindingKind::Unset,
+            Wrong::NotANumber => FuzzFindingKind::NoValue,
         };
         let severity = self.severity(met, shape, sources);
         let message = self.message(met, shape);
@@ -77,6 +80,11 @@ impl Dispatched {
             // The author says that it is meant: `diagnostic(off, subgroup_uniformity)`.
             Wrong::Apart if self.program.file.text().contains("subgroup_uniformity") => Severity::Note,
             Wrong::Outside => self.severity_outside(met, shape, certain, by_contents),
+            // Devices of today see `coherent` memory behind any barrier, and whoever writes the word means that.
+            Wrong::Unordered if self.program.file.text().contains("coherent") || !fixed => Severity::Note,
+            // With random numbers, it is more often a whole number of the host that is guessed wrong.
+            Wrong::NotANumber if met.scenario.contents != Contents::Equal || self.has_matrices() => Severity::Note,
+            Wrong::Unordered | Wrong::NotANumber => Severity::Warning,
             _ if certain => Severity::Finding,
             // Where all invocations take one branch, nobody is missing.
             Wrong::Divergence | Wrong::Apart if !by_contents => Severity::Finding,
@@ -85,6 +93,14 @@ impl Dispatched {
             Wrong::Race if shared || !by_contents || mixed => Severity::Warning,
             Wrong::Race => Severity::Note,
         }
+    }
+
+    /// True where a buffer has matrices: equal numbers make them singular, which no host does.
+    fn has_matrices(&self) -> bool {
+        let storage = self.executable.memories().iter().filter(|shape| matches!(shape.space, Space::Storage { .. }));
+        let leaves =
+            storage.flat_map(|shape| shape.fixed.iter().chain(shape.array.iter().flat_map(|array| &array.leaves)));
+        leaves.into_iter().any(|leaf| leaf.scalar == Scalar::F32 && leaf.component.is_some_and(|k| k > 3))
     }
 
     /// An index outside of an array: whose length is fixed, or asked for, or guessed.
@@ -157,6 +173,15 @@ impl Dispatched {
                     self.invocation(other, groups)
                 )
             }
+            (Wrong::Unordered, Some(other)) => {
+                let (own, theirs) = (did(incident.who.access), did(other.access));
+                let (at, other) = (self.at(other.site), self.invocation(other, groups));
+                let barrier = self.barrier_for(shape);
+                format!(
+                    "race on {place}: {who} {own} it, and {other} {theirs} it{at}; the barrier between them does not order \
+                     this memory, {barrier} does"
+                )
+            }
             (Wrong::SameValue, Some(other)) => {
                 let other = self.invocation(other, groups);
                 format!("{who} and {other} write the same value to {place}, with nothing between")
@@ -164,14 +189,36 @@ impl Dispatched {
             (Wrong::Divergence, Some(other)) => {
                 format!("{who} does not reach this barrier, at which {} waits", self.invocation(other, groups))
             }
+            (Wrong::NotANumber, _) => {
+                let held = met.scenario.contents.told();
+                format!("{who} writes NaN to {place}, though nothing that it may read is NaN or infinite: {held}")
+            }
             (Wrong::Unwritten, _) => format!("{who} reads {place}, to which nobody has written"),
-            (Wrong::Race | Wrong::SameValue, None) => format!("{who} meets another one at {place}"),
+            (Wrong::Race | Wrong::Unordered | Wrong::SameValue, None) => format!("{who} meets another one at {place}"),
             (Wrong::Apart, Some(other)) => format!(
                 "{who} does not reach this operation of its subgroup, in which {} is",
                 self.invocation(other, groups)
             ),
             (Wrong::Divergence, None) => format!("{who} does not reach this barrier"),
             (Wrong::Apart, None) => format!("{who} does not reach this operation of its subgroup"),
+        }
+    }
+
+    /// What orders a memory within a workgroup, in the author's language.
+    fn barrier_for(&self, shape: Option<&MemoryShape>) -> &'static str {
+        let kind = shape.map(|shape| (shape.space == Space::Workgroup, shape.is_image()));
+        match (self.program.written, kind) {
+            (Written::Wgsl, Some((true, _))) => "`workgroupBarrier()`",
+            (Written::Wgsl, Some((_, true))) => "`textureBarrier()`",
+            (Written::Wgsl, _) => "`storageBarrier()`",
+            (Written::Glsl, Some((true, _))) => "`barrier()`",
+            (Written::Glsl, Some((_, true))) => "`memoryBarrierImage(); barrier();`",
+            (Written::Glsl, _) => "`memoryBarrierBuffer(); barrier();`",
+            (Written::Hlsl, Some((true, _))) => "`GroupMemoryBarrierWithGroupSync()`",
+            (Written::Hlsl, _) => "`AllMemoryBarrierWithGroupSync()`",
+            (Written::SpirV | Written::SpirVAssembly | Written::Slang, _) => {
+                "one with its storage class in its semantics"
+            }
         }
     }
 

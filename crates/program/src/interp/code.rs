@@ -341,9 +341,14 @@ pub(super) enum Inst {
         others: Vec<Reg>,
         site: Site,
     },
-    /// Waits for all invocations of the workgroup; what they wrote before is seen behind it.
+    /// Waits for all invocations of the workgroup; what they wrote to memories of these kinds is seen behind it.
     Barrier {
+        orders: naga::Barrier,
         site: Site,
+    },
+    /// Nobody waits; together with the barrier before or behind it, it orders memories of these kinds.
+    Fence {
+        orders: naga::Barrier,
     },
     /// Invocations of a subgroup see each other's values.
     Subgroup(Subgroup),
@@ -468,7 +473,7 @@ impl Inst {
             Self::Switch { selector, .. } => f(Read, Word, selector),
             // The condition at the end of a loop is read inside it.
             Self::Loop { .. } | Self::Call { .. } => {}
-            Self::Barrier { .. } => {}
+            Self::Barrier { .. } | Self::Fence { .. } => {}
             Self::Subgroup(inst) => inst.registers(f),
             Self::Break | Self::Continue | Self::Return | Self::Kill | Self::EmitVertex | Self::EndPrimitive => {}
         }

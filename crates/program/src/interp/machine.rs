@@ -374,7 +374,7 @@ impl<'e, D: Domain> Machine<'e, D> {
                 self.active = Mask::NONE;
             }
             // A program with shared memory is run by a group, which does these itself.
-            Inst::Memory(_) | Inst::Length { .. } | Inst::Barrier { .. } | Inst::Subgroup(_) => {}
+            Inst::Memory(_) | Inst::Length { .. } | Inst::Barrier { .. } | Inst::Fence { .. } | Inst::Subgroup(_) => {}
             Inst::Agree { first, others, site } => {
                 let first = &self.words[*first as usize];
                 let differs = |slot: usize| others.iter().any(|&reg| self.words[reg as usize][slot] != first[slot]);

@@ -92,6 +92,7 @@ fn is_control(inst: &Inst) -> bool {
             | Inst::Loop { .. }
             | Inst::Call { .. }
             | Inst::Barrier { .. }
+            | Inst::Fence { .. }
             | Inst::Subgroup(_)
             | Inst::Break
             | Inst::Continue

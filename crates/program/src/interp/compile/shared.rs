@@ -165,7 +165,7 @@ impl<'m> Compiler<'m> {
             return Err(unsupported("barriers of subgroups".to_owned(), span));
         }
         let site = self.statement_site(frame, span);
-        self.push(Inst::Barrier { site });
+        self.push(Inst::Barrier { orders: barrier, site });
         Ok(())
     }
 

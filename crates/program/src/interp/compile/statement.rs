@@ -215,8 +215,11 @@ impl<'m> Compiler<'m> {
                 self.call(frame, *function, (arguments, rest), *result, span)?;
             }
             Statement::ControlBarrier(barrier) => self.barrier(frame, *barrier, span)?,
-            // It orders what one invocation does, which is done in order here.
-            Statement::MemoryBarrier(_) if !self.subject.shared.is_empty() || self.subject.dispatch.is_some() => {}
+            Statement::MemoryBarrier(orders) if !self.subject.shared.is_empty() => {
+                self.push(Inst::Fence { orders: *orders });
+            }
+            // A single invocation does everything in order.
+            Statement::MemoryBarrier(_) if self.subject.dispatch.is_some() => {}
             Statement::MemoryBarrier(_) => return refuse("memory barriers"),
             Statement::ImageStore { image, coordinate, array_index, value } => {
                 self.store_texel(frame, *image, (*coordinate, *array_index), *value, span)?;

@@ -223,9 +223,13 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
             File::Real => {
                 let machine = &self.machines[k];
                 let value = machine.domain.kept(&machine.reals[from.reg as usize], slot);
-                let changes = D::bits(value) != self.contents[memory].bits(word);
+                let bits = D::bits(value);
+                let changes = bits != self.contents[memory].bits(word);
                 self.touch(access, k, slot, word, touch, effect(changes));
                 self.contents[memory].set_real(word, value, open);
+                if f32::from_bits(bits).is_nan() {
+                    self.not_a_number(access, k, slot, word);
+                }
             }
             File::Word => {
                 let bits = self.machines[k].words[from.reg as usize][slot];
@@ -240,7 +244,26 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
     fn touch(&mut self, access: &MemoryAccess, k: usize, slot: usize, word: usize, touch: Access, effect: Effect) {
         let who = Party { group: self.number, local: (k * SLOTS + slot) as u32, access: touch, site: access.site };
         let contents = &mut self.contents[access.memory as usize];
-        self.log.touch((access.memory, contents), word, who, self.epoch, effect);
+        self.log.touch((access.memory, contents), word, who, &self.epochs, effect);
+    }
+
+    /// Notes a NaN that gets into a buffer.
+    #[cold]
+    fn not_a_number(&mut self, access: &MemoryAccess, k: usize, slot: usize, word: usize) {
+        let contents = &self.contents[access.memory as usize];
+        if contents.is_watched() && matches!(contents.space, Space::Storage { .. }) {
+            let local = (k * SLOTS + slot) as u32;
+            let who = Party { group: self.number, local, access: Access::Write, site: access.site };
+            self.log.report(Incident {
+                what: Wrong::NotANumber,
+                memory: Some(access.memory),
+                word: u32::try_from(word).ok(),
+                index: None,
+                who,
+                other: None,
+                count: 1,
+            });
+        }
     }
 
     /// Notes a word of the workgroup's memory that has no value yet.

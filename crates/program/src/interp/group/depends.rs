@@ -287,7 +287,7 @@ impl Pass {
             }
             Inst::Length { memory, of: Extent::Side(_), .. } => given = here.or(Sources::size(*memory)),
             Inst::Length { .. } => given = here,
-            Inst::Barrier { site } => self.note(*site, Sources::default(), here),
+            Inst::Barrier { site, .. } => self.note(*site, Sources::default(), here),
             Inst::Subgroup(inst) => self.note(inst.site, Sources::default(), here),
             Inst::Loop { site, .. } => self.note(*site, Sources::default(), here),
             _ => {}

@@ -2,9 +2,12 @@
 
 use std::collections::HashMap;
 
+use naga::Barrier;
+
 use super::super::domain::Site;
 use super::access::Extent;
 use super::cells::{InMemory, RealCombine};
+use super::epochs::Epochs;
 use super::shape::{MemoryShape, Space};
 use super::{Buffer, Left};
 
@@ -17,12 +20,16 @@ pub enum Wrong {
     Race,
     /// The same with writes of equal values alone.
     SameValue,
+    /// Two invocations touch one word, one of them writes, and the barrier between them orders other memories alone.
+    Unordered,
     /// A barrier that some invocations of the workgroup do not reach.
     Divergence,
     /// An operation of a subgroup that some of its invocations do not reach.
     Apart,
     /// A word of a workgroup's memory that nobody has written.
     Unwritten,
+    /// A store of a NaN into a buffer.
+    NotANumber,
 }
 
 /// How a word was touched.
@@ -150,6 +157,15 @@ impl<D: InMemory> Contents<D> {
             sides,
             is_image: shape.is_image(),
             reach: 0,
+        }
+    }
+
+    /// Which barriers order it.
+    fn ordered_by(&self) -> Barrier {
+        match self.space {
+            Space::Workgroup => Barrier::WORK_GROUP,
+            Space::Storage { .. } | Space::Uniform if self.is_image => Barrier::TEXTURE,
+            Space::Storage { .. } | Space::Uniform => Barrier::STORAGE,
         }
     }
 
@@ -298,10 +314,11 @@ impl Log {
         memory: (u32, &mut Contents<D>),
         word: usize,
         party: Party,
-        epoch: u32,
+        epochs: &Epochs,
         effect: Effect,
     ) {
         let (index, contents) = memory;
+        let epoch = epochs.now();
         contents.reach = contents.reach.max(word + 1);
         if !contents.is_watched() {
             return;
@@ -315,6 +332,7 @@ impl Log {
         if contents.space == Space::Uniform {
             return;
         }
+        let kind = contents.ordered_by();
         let history = &mut contents.history[word];
         let meets = |before: &Option<Touched>| {
             before.filter(|before| {
@@ -325,7 +343,7 @@ impl Log {
                 let both = before.party.access == Access::Atomic && party.access == Access::Atomic && !undoes;
                 let same = before.party.group == party.group;
                 let own = same && before.party.local == party.local;
-                let ordered = same && before.epoch != epoch;
+                let ordered = same && epochs.order(before.epoch, kind);
                 !own && !both && !ordered && (same || !self.is_passed_on(before, party.group))
             })
         };
@@ -336,7 +354,12 @@ impl Log {
         }
         if let Some(before) = met {
             let plain = before.party.access == Access::Write && party.access == Access::Write;
-            let what = if plain && effect == Effect::Kept { Wrong::SameValue } else { Wrong::Race };
+            let apart = before.party.group == party.group && before.epoch != epoch;
+            let what = match plain && effect == Effect::Kept {
+                true => Wrong::SameValue,
+                false if apart => Wrong::Unordered,
+                false => Wrong::Race,
+            };
             let incident = Incident {
                 what,
                 memory: Some(index),

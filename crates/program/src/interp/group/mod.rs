@@ -13,6 +13,7 @@ mod access;
 mod cells;
 mod contents;
 mod depends;
+mod epochs;
 mod memory;
 mod shape;
 mod subgroup;
@@ -40,6 +41,7 @@ pub use texels::{Channel, Texels};
 pub use whole::{Ran, Whole};
 
 pub(super) use access::{Combine, Extent, MemoryAccess, MemoryOp, Step};
+use epochs::Epochs;
 use memory::{Contents, Log};
 pub(super) use subgroup::{Fold, From, Subgroup, SubgroupOp};
 
@@ -155,7 +157,7 @@ impl Executable {
             contents,
             log: Log::default(),
             number: 0,
-            epoch: 0,
+            epochs: Epochs::default(),
             work: dispatch.work,
             rounds: 0,
             findings: Vec::new(),
@@ -216,7 +218,7 @@ struct Group<'e, 'd, D: InMemory> {
     /// Number of the workgroup.
     number: u32,
     /// Barriers that it is behind.
-    epoch: u32,
+    epochs: Epochs,
     /// Rounds of loops that are left.
     work: u64,
     /// Rounds so far, of all machines.
@@ -238,7 +240,7 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
     /// Runs one workgroup.
     fn run(&mut self, number: u32) {
         self.number = number;
-        self.epoch = 0;
+        self.epochs = Epochs::default();
         self.doubts_noticed = false;
         let size: usize = self.dispatch.size.iter().map(|&n| n as usize).product();
         for (contents, shape) in self.contents.iter_mut().zip(&self.executable.memories) {
@@ -329,7 +331,11 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
                 let count = self.contents[*memory as usize].extent(*of);
                 self.machines.iter_mut().for_each(|machine| machine.words[*to as usize] = [count; SLOTS]);
             }
-            Inst::Barrier { site } => self.barrier(*site),
+            Inst::Barrier { orders, site } => {
+                self.epochs.pass(*orders);
+                self.barrier(*site);
+            }
+            Inst::Fence { orders } => self.epochs.fence(*orders),
             Inst::Subgroup(inst) => self.subgroup(inst),
             Inst::If { condition, accept, reject } => {
                 let before = self.masks();
@@ -439,7 +445,6 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
 
     /// Every invocation of the workgroup has to be here (WGSL, 17.11; GLSL 4.60, 8.16).
     fn barrier(&mut self, site: Site) {
-        self.epoch += 1;
         let find = |is: &dyn Fn(&Machine<'e, D>) -> Mask| {
             let slots = |(k, machine): (usize, &Machine<'e, D>)| Some(k * SLOTS + is(machine).slots().next()?);
             self.machines.iter().enumerate().find_map(slots)

@@ -64,6 +64,7 @@ fn run_in(text: &str, words: u32, zeroed: bool, subgroup: u32) -> Outcome {
 
 const HEAD: &str = "@group(0) @binding(0) var<storage, read_write> a: array<u32>;
     @group(0) @binding(1) var<storage, read_write> n: atomic<u32>;
+    @group(0) @binding(2) var<storage, read_write> r: array<f32>;
     var<workgroup> w: array<u32, 200>;
     var<workgroup> v: atomic<u32>;
     @compute @workgroup_size(200) fn main(
@@ -85,6 +86,16 @@ fn each_fault_is_found_and_its_twin_is_silent() {
             Wrong::Race,
             "if (l == 0u) { w[0] = 7u; } a[id.x] = w[0];",
             "if (l == 0u) { w[0] = 7u; } workgroupBarrier(); a[id.x] = w[0];",
+        ),
+        (
+            Wrong::Unordered,
+            "w[l] = l; storageBarrier(); a[id.x] = w[199u - l];",
+            "w[l] = l; storageBarrier(); workgroupBarrier(); a[id.x] = w[199u - l];",
+        ),
+        (
+            Wrong::Unordered,
+            "a[id.x] = l; workgroupBarrier(); w[l] = a[g.x * 200u + 199u - l];",
+            "a[id.x] = l; workgroupBarrier(); storageBarrier(); w[l] = a[g.x * 200u + 199u - l];",
         ),
         (Wrong::Race, "a[l / 2u] = l;", "a[id.x] = l;"),
         (Wrong::Race, "a[0] = a[0] + 1u;", "atomicAdd(&n, 1u);"),
@@ -114,6 +125,8 @@ fn each_fault_is_found_and_its_twin_is_silent() {
             "for (var i = l; i < l + 3u; i++) { workgroupBarrier(); }",
         ),
         (Wrong::Unwritten, "a[id.x] = w[l];", "w[l] = 1u; a[id.x] = w[l];"),
+        // 0.0 / 0.0 for one invocation.
+        (Wrong::NotANumber, "let x = f32(l); r[id.x] = x / x;", "let x = f32(l + 1u); r[id.x] = x / x;"),
     ] {
         assert!(found(wrong, false).contains(&what), "{what:?}: {wrong}: {:?}", found(wrong, false));
         assert_eq!(found(right, false), [], "{right}");
