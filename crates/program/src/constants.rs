@@ -97,6 +97,15 @@ impl Constants {
         self.shader.as_deref().filter(|shader| shader.wgsl().is_some())
     }
 
+    /// Whole numbers that a host may set (`constant_id`), with the values that are written.
+    pub fn specialized(&self) -> Vec<(String, u32)> {
+        let Some(shader) = &self.shader else { return Vec::new() };
+        let constants = shader.interface().constants.iter();
+        let constants = constants.filter(|c| c.qualifiers.layout_entry("constant_id").is_some());
+        let value = |c: &syntax::interface::Variable| shader.fold(c.initializer?)?.as_integer();
+        constants.filter_map(|c| Some((c.name.clone(), u32::try_from(value(c)?).ok()?))).collect()
+    }
+
     /// Every literal once, in the order of the text.
     pub fn literals(&self) -> Vec<WrittenLiteral> {
         let Some(shader) = &self.shader else { return Vec::new() };

@@ -16,6 +16,9 @@ pub(super) fn lacks(module: &Module, info: &ModuleInfo, stage: ShaderStage, lang
     if !varyings.is_empty() {
         return Some(format!("the translator has {}", varyings.join(" and ")));
     }
+    if module.global_variables.iter().any(|(_, v)| v.name.as_deref() == Some(super::build::BY_INDEX)) {
+        return Some("the translator has no number in a subgroup where workgroups have several dimensions".to_owned());
+    }
     let name = match language {
         Language::Wgsl => "WGSL",
         Language::GlslEs310 => "GLSL ES 3.10",

@@ -96,6 +96,9 @@ pub(crate) fn convert(value: Const, ty: &Type) -> Option<Const> {
             Const::Int(v) => v.cast_unsigned(),
             _ => integer(number, 0.0, f64::from(u32::MAX)).and_then(|v| u32::try_from(v).ok())?,
         }),
+        // Constants of these types are computed when the shader runs.
+        ScalarType::Int8 | ScalarType::Uint8 | ScalarType::Int16 | ScalarType::Uint16 => return None,
+        ScalarType::Int64 | ScalarType::Uint64 | ScalarType::Half => return None,
     })
 }
 

@@ -27,6 +27,7 @@ fn components(ty: &Type) -> Option<usize> {
 /// A value as another type: what an initialiser makes of it. `None` where nothing converts.
 pub fn converted(value: Known, ty: &Type) -> Option<Known> {
     match (value.ty.scalar(), ty.scalar()) {
+        (Some(_), Some(to)) if to.is_sized() => None,
         (Some(from), Some(to)) => {
             let parts = value.parts.iter().map(|&v| number(v, from, to)).collect();
             Some(Known { ty: value.ty.with_scalar(to), parts })
@@ -44,6 +45,8 @@ fn number(value: f64, from: ScalarType, to: ScalarType) -> f64 {
         ScalarType::Uint if value < 0.0 && from == ScalarType::Int => value + 4_294_967_296.0,
         ScalarType::Int | ScalarType::Uint => value.trunc(),
         ScalarType::Float | ScalarType::Double => value,
+        // Nothing makes a value of these: see `constructed` and `converted`.
+        _ => value,
     }
 }
 
@@ -115,7 +118,8 @@ pub fn constructed(ty: &Type, values: &[Known]) -> Option<Known> {
         }
         return Some(Known { ty: element.as_ref().clone().array(u32::try_from(values.len()).ok()?), parts });
     }
-    let to = ty.scalar()?;
+    // Numbers of other sizes are computed when the shader runs.
+    let to = ty.scalar().filter(|to| !to.is_sized())?;
     let n = ty.components()?;
     let mut parts = Vec::new();
     for value in values {

@@ -26,6 +26,7 @@ pub mod precision;
 mod preprocess;
 mod reach;
 pub mod real;
+mod scalar;
 mod sink;
 mod stage;
 pub mod swizzle;

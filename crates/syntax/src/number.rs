@@ -1,6 +1,7 @@
 //! Values of numeric literals (GLSL 4.60 specification, sections 4.1.3 and 4.1.4).
 
 use super::ast::Literal;
+use super::types::ScalarType;
 
 /// Reads a literal.
 ///
@@ -14,14 +15,36 @@ pub(crate) fn literal(text: &str) -> Result<Literal, &'static str> {
     if floating {
         return float(text);
     }
-    let digits = text.trim_end_matches(['u', 'U']);
+    let digits = text.trim_end_matches(['u', 'U', 's', 'S', 'l', 'L']);
     if digits.len() > 1 && digits.starts_with('0') {
         return integer(&text[1..], 8, "is no octal number, which is what a leading 0 announces");
     }
     integer(text, 10, "is no number")
 }
 
+/// Suffixes of whole numbers of other sizes (GL_EXT_shader_explicit_arithmetic_types).
+const SIZED: [(&str, ScalarType); 8] = [
+    ("us", ScalarType::Uint16),
+    ("US", ScalarType::Uint16),
+    ("s", ScalarType::Int16),
+    ("S", ScalarType::Int16),
+    ("ul", ScalarType::Uint64),
+    ("UL", ScalarType::Uint64),
+    ("l", ScalarType::Int64),
+    ("L", ScalarType::Int64),
+];
+
 fn integer(text: &str, radix: u32, wrong: &'static str) -> Result<Literal, &'static str> {
+    if let Some((digits, ty)) = SIZED.iter().find_map(|(suffix, ty)| Some((text.strip_suffix(suffix)?, *ty))) {
+        if digits.is_empty() || !digits.chars().all(|c| c.is_digit(radix)) {
+            return Err(wrong);
+        }
+        let value = u64::from_str_radix(digits, radix).map_err(|_| "does not fit into 64 bits")?;
+        if ty.bits() == 16 && value > u64::from(u16::MAX) {
+            return Err("does not fit into 16 bits");
+        }
+        return Ok(Literal::Sized(value, ty));
+    }
     let unsigned = text.strip_suffix(['u', 'U']);
     let digits = unsigned.unwrap_or(text);
     if digits.is_empty() || !digits.chars().all(|c| c.is_digit(radix)) {
@@ -34,7 +57,8 @@ fn integer(text: &str, radix: u32, wrong: &'static str) -> Result<Literal, &'sta
 
 fn float(text: &str) -> Result<Literal, &'static str> {
     let double = text.strip_suffix("lf").or_else(|| text.strip_suffix("LF"));
-    let digits = double.or_else(|| text.strip_suffix(['f', 'F'])).unwrap_or(text);
+    let half = text.strip_suffix("hf").or_else(|| text.strip_suffix("HF"));
+    let digits = double.or(half).or_else(|| text.strip_suffix(['f', 'F'])).unwrap_or(text);
     let well_formed = {
         let (mantissa, exponent) = match digits.split_once(['e', 'E']) {
             Some((m, e)) => (m, Some(e)),
@@ -52,7 +76,11 @@ fn float(text: &str) -> Result<Literal, &'static str> {
         return Err("is no number");
     }
     let value: f64 = digits.parse().map_err(|_| "is no number")?;
-    Ok(if double.is_some() { Literal::Double(value) } else { Literal::Float(value) })
+    Ok(match (double, half) {
+        (Some(_), _) => Literal::Double(value),
+        (None, Some(_)) => Literal::Half(value),
+        (None, None) => Literal::Float(value),
+    })
 }
 
 #[cfg(test)]
@@ -77,6 +105,12 @@ mod tests {
             ("1f", Literal::Float(1.0)),
             ("1.5lf", Literal::Double(1.5)),
             ("1.5LF", Literal::Double(1.5)),
+            ("1.5hf", Literal::Half(1.5)),
+            ("2HF", Literal::Half(2.0)),
+            ("40000us", Literal::Sized(40000, ScalarType::Uint16)),
+            ("0x7FS", Literal::Sized(127, ScalarType::Int16)),
+            ("017l", Literal::Sized(15, ScalarType::Int64)),
+            ("18446744073709551615UL", Literal::Sized(u64::MAX, ScalarType::Uint64)),
         ];
         for (text, value) in cases {
             assert_eq!(literal(text), Ok(value), "{text}");
@@ -85,9 +119,24 @@ mod tests {
 
     #[test]
     fn malformed_literals_are_refused() {
-        for text in
-            ["1.0.0", "08", "0x", "0xg", "1.5x", "12abc", "1e", "1e+", "4294967296", "5uu", "1.0u", "0u1", ".e1"]
-        {
+        for text in [
+            "1.0.0",
+            "08",
+            "0x",
+            "0xg",
+            "1.5x",
+            "12abc",
+            "1e",
+            "1e+",
+            "4294967296",
+            "5uu",
+            "1.0u",
+            "0u1",
+            ".e1",
+            "1.5h",
+            "65536us",
+            "5su",
+        ] {
             assert!(literal(text).is_err(), "{text}");
         }
     }

@@ -5,57 +5,9 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::ast::Qualifiers;
+pub use super::scalar::ScalarType;
 use base::text::Span;
 use base::value;
-
-/// Type of one component.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum ScalarType {
-    /// `bool`
-    Bool,
-    /// `int`
-    Int,
-    /// `uint`
-    Uint,
-    /// `float`
-    Float,
-    /// `double`
-    Double,
-}
-
-impl ScalarType {
-    /// The spelling.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Bool => "bool",
-            Self::Int => "int",
-            Self::Uint => "uint",
-            Self::Float => "float",
-            Self::Double => "double",
-        }
-    }
-
-    /// The letter before `vec`.
-    pub fn prefix(self) -> &'static str {
-        match self {
-            Self::Bool => "b",
-            Self::Int => "i",
-            Self::Uint => "u",
-            Self::Float => "",
-            Self::Double => "d",
-        }
-    }
-
-    /// True for `int` and `uint`.
-    pub fn is_integer(self) -> bool {
-        matches!(self, Self::Int | Self::Uint)
-    }
-
-    /// True for `float` and `double`.
-    pub fn is_floating(self) -> bool {
-        matches!(self, Self::Float | Self::Double)
-    }
-}
 
 /// Dimension of a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -310,7 +262,12 @@ impl Type {
                 if let Some(n) = name.strip_prefix("vec").and_then(digit) {
                     return Some(Self::Vector(ScalarType::Float, n));
                 }
+                let sized = ScalarType::of_sized_name(name);
+                if let Some((scalar, "")) = sized {
+                    return Some(Self::Scalar(scalar));
+                }
                 let (scalar, rest) = match name.as_bytes().first()? {
+                    _ if sized.is_some() => sized?,
                     b'b' => (ScalarType::Bool, &name[1..]),
                     b'i' => (ScalarType::Int, &name[1..]),
                     b'u' => (ScalarType::Uint, &name[1..]),
@@ -327,6 +284,16 @@ impl Type {
                 }
             }
         })
+    }
+
+    /// True when the component type, or one inside, is such.
+    pub fn has_scalar(&self, is: &impl Fn(ScalarType) -> bool) -> bool {
+        match self {
+            Self::Scalar(s) | Self::Vector(s, _) | Self::Matrix(s, _, _) => is(*s),
+            Self::Array(element, _) => element.has_scalar(is),
+            Self::Struct(s) => s.fields.iter().any(|f| f.ty.has_scalar(is)),
+            Self::Error | Self::Void | Self::Opaque(_) => false,
+        }
     }
 
     /// Component type of a scalar, vector or matrix.
@@ -422,22 +389,24 @@ impl Type {
         }
     }
 
-    /// The shape as a value that the host can feed or read: numeric types of 32-bit words and
-    /// arrays of them with a known size. None for `double`, structures, opaque types and arrays
-    /// of arrays.
+    /// The shape as a value that the host can feed or read: numeric types of 32-bit words, `float16_t`, and
+    /// arrays of them with a known size. None for `double`, whole numbers of other sizes, structures, opaque types and
+    /// arrays of arrays.
     pub fn shape(&self) -> Option<value::Shape> {
         let scalar = |s: ScalarType| match s {
             ScalarType::Bool => Some(value::Scalar::Bool),
             ScalarType::Int => Some(value::Scalar::I32),
             ScalarType::Uint => Some(value::Scalar::U32),
-            ScalarType::Float => Some(value::Scalar::F32),
-            ScalarType::Double => None,
+            ScalarType::Half | ScalarType::Float => Some(value::Scalar::F32),
+            ScalarType::Int8 | ScalarType::Uint8 | ScalarType::Int16 | ScalarType::Uint16 => None,
+            ScalarType::Int64 | ScalarType::Uint64 | ScalarType::Double => None,
         };
+        let half = self.scalar() == Some(ScalarType::Half);
         match self {
-            Self::Scalar(s) => Some(value::Shape::vector(scalar(*s)?, 1)),
-            Self::Vector(s, n) => Some(value::Shape::vector(scalar(*s)?, *n)),
+            Self::Scalar(s) => Some(value::Shape { half, ..value::Shape::vector(scalar(*s)?, 1) }),
+            Self::Vector(s, n) => Some(value::Shape { half, ..value::Shape::vector(scalar(*s)?, *n) }),
             Self::Matrix(s, columns, rows) => {
-                Some(value::Shape { scalar: scalar(*s)?, columns: *columns, rows: *rows, array: None, half: false })
+                Some(value::Shape { scalar: scalar(*s)?, columns: *columns, rows: *rows, array: None, half })
             }
             Self::Array(element, ArraySize::Known(n)) => {
                 let shape = element.shape()?;
@@ -500,7 +469,14 @@ impl Conversions {
             (ScalarType::Int | ScalarType::Uint, ScalarType::Float) => true,
             (ScalarType::Int, ScalarType::Uint) => self.int_to_uint,
             (ScalarType::Int | ScalarType::Uint | ScalarType::Float, ScalarType::Double) => self.to_double,
-            _ => false,
+            // GL_EXT_shader_explicit_arithmetic_types: to what holds more, and from a sign to none.
+            (ScalarType::Half, ScalarType::Float) => true,
+            (ScalarType::Half, ScalarType::Double) => self.to_double,
+            (ScalarType::Int64 | ScalarType::Uint64, ScalarType::Double) => self.to_double,
+            _ if from.is_integer() && to.is_integer() && (from.is_sized() || to.is_sized()) => {
+                from.bits() < to.bits() || from.bits() == to.bits() && from.is_signed()
+            }
+            _ => from.is_small_integer() && to.is_floating(),
         }
     }
 
@@ -555,8 +531,23 @@ mod tests {
             "iimage3D",
             "uimageBuffer",
             "atomic_uint",
+            "float16_t",
+            "f16vec3",
+            "f16mat2x4",
+            "int8_t",
+            "u8vec4",
+            "uint16_t",
+            "i16vec2",
+            "int64_t",
+            "u64vec2",
         ] {
             assert_eq!(Type::from_name(name).map(|t| t.to_string()).as_deref(), Some(name));
+        }
+        for (name, same) in [("float32_t", "float"), ("i32vec2", "ivec2"), ("uint32_t", "uint"), ("f64mat2", "dmat2")] {
+            assert_eq!(Type::from_name(name), Type::from_name(same), "{name}");
+        }
+        for name in ["int24_t", "f8vec2", "u16mat2", "uint_t", "f16", "float16", "i16", "f16vec5"] {
+            assert_eq!(Type::from_name(name), None, "{name}");
         }
         for name in ["vec5", "imat3", "mat1", "sampler3DArray", "isampler2DShadow", "image2DShadow", "vec", "", "u"] {
             assert_eq!(Type::from_name(name), None, "{name}");
@@ -581,5 +572,9 @@ mod tests {
         assert!(!new.allow(&Type::FLOAT, &Type::INT) && !new.allow(&Type::BOOL, &Type::INT));
         assert!(!new.allow(&Type::VEC3, &Type::VEC4));
         assert!(!new.allow(&Type::INT.array(2), &Type::FLOAT.array(2)), "arrays do not convert");
+        let sized = |from: &str, to: &str| new.allow(&Type::from_name(from).unwrap(), &Type::from_name(to).unwrap());
+        assert!(sized("float16_t", "float") && sized("u8vec2", "ivec2") && sized("int16_t", "uint16_t"));
+        assert!(sized("uint8_t", "float16_t") && sized("int", "int64_t") && !sized("uint", "float16_t"));
+        assert!(!sized("float", "float16_t") && !sized("int", "int16_t") && !sized("uint16_t", "int16_t"));
     }
 }

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use program::interp::group::{Buffer, Dispatch, InMemory, Leaf, MemoryShape, Outcome, Space, WIDTH};
+use program::Written;
+use program::interp::group::{Buffer, Dispatch, InMemory, Leaf, MemoryShape, Outcome, Space, WIDTH, Wrong};
 use program::interp::{Column, Executable, Number, Plain};
 
 use super::{Dispatched, images};
@@ -366,7 +367,7 @@ impl Dispatched {
     where
         Plain<N>: InMemory<Column = Column<N>, Cell = N>,
     {
-        scenario.executable.dispatch::<N>(&Dispatch {
+        let mut outcome = scenario.executable.dispatch::<N>(&Dispatch {
             size: self.size,
             groups: scenario.groups,
             buffers: &scenario.buffers,
@@ -377,7 +378,12 @@ impl Dispatched {
             watched: true,
             order: 0,
             subgroup: scenario.subgroup,
-        })
+        });
+        // In all languages but WGSL, operations of a subgroup are those of the invocations that come to them.
+        if self.program.written != Written::Wgsl {
+            outcome.incidents.retain(|incident| incident.what != Wrong::Apart);
+        }
+        outcome
     }
 }
 

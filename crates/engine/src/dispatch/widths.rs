@@ -14,6 +14,19 @@ const WIDTHS: [u32; 4] = [WIDTH, 4, 8, 64];
 /// Part of a sum that its order may change in binary64, seen in binary32.
 const SLACK: f64 = 1e-6;
 
+/// The width that a specialization constant states by its name: a host that sets it asks for subgroups of that width.
+fn stated(constants: &[(String, u32)], size: u32) -> Option<u32> {
+    let width = constants.iter().find_map(|(name, value)| {
+        let name: String = name.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_lowercase();
+        match &name[..] {
+            "subgroupsize" | "warpsize" | "warp" | "wavesize" | "wavefrontsize" => Some(*value),
+            "numsubgroups" => size.checked_div(*value),
+            _ => None,
+        }
+    });
+    width.filter(|width| width.is_power_of_two() && (WIDTHS[1]..=128).contains(width))
+}
+
 impl Dispatched {
     /// Widths at which a dispatch is run: one where nothing asks for it.
     pub(super) fn widths(&self) -> Vec<u32> {
@@ -21,6 +34,9 @@ impl Dispatched {
             return vec![WIDTH];
         }
         let size: u32 = self.size.iter().product();
+        if let Some(width) = stated(&self.program.constants.specialized(), size) {
+            return vec![width];
+        }
         let fits = |width: &u32| *width < 2 * size || *width == WIDTHS[1];
         WIDTHS.into_iter().filter(fits).collect()
     }
@@ -80,5 +96,21 @@ impl Dispatched {
             }
         }
         None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::stated;
+
+    #[test]
+    fn a_constant_of_the_host_states_the_width() {
+        let of = |name: &str, value: u32| stated(&[("BLOCK".to_owned(), 8), (name.to_owned(), value)], 128);
+        assert_eq!(
+            (of("SUBGROUP_SIZE", 32), of("SubGroupSize", 16), of("NUM_SUBGROUPS", 4)),
+            (Some(32), Some(16), Some(32))
+        );
+        assert_eq!((of("SUBGROUP_SIZE", 0), of("SUBGROUP_SIZE", 24), of("SUBGROUP_ROWS", 8)), (None, None, None));
+        assert_eq!(of("NUM_SUBGROUPS", 0), None);
     }
 }

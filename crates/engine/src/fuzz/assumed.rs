@@ -4,6 +4,8 @@
 //! something plain, it is run with that, and the report says so.
 
 use base::diagnostic::Severity;
+use program::WIDE_BYTES;
+use syntax::interface::Storage;
 use syntax::{Lacks, Parsed};
 
 /// Macros that are assumed: names and values.
@@ -27,6 +29,25 @@ const VALUES: [&str; 3] = ["32", "1", "4"];
 /// What is assumed of a text that `parse` reads with more macros; none where nothing is lacking, or it has errors whatever is
 /// assumed.
 pub fn assumed(parse: &Parse<'_>) -> Option<Assumed> {
+    let mut all = names(parse).unwrap_or_default();
+    let parsed = parse(&all);
+    if errors(&parsed) == 0 && has_bytes_in_buffers(&parsed) {
+        all.push((WIDE_BYTES.to_owned(), "1".to_owned()));
+    }
+    (!all.is_empty()).then_some(all)
+}
+
+/// True when numbers of 8 bits lie in buffers.
+fn has_bytes_in_buffers(parsed: &Parsed) -> bool {
+    let blocks = &parsed.shader.interface().blocks;
+    blocks.iter().filter(|block| matches!(block.storage, Storage::Buffer | Storage::Uniform)).any(|block| {
+        // A structure that is only declared is in no buffer.
+        block.ty.has_scalar(&|scalar| scalar.is_integer() && scalar.bits() == 8)
+    })
+}
+
+/// What is assumed of names.
+fn names(parse: &Parse<'_>) -> Option<Assumed> {
     let mut parsed = parse(&[]);
     // A version that stands elsewhere, or another language, is more than a macro.
     if parsed.shader.lacking().is_empty() || parsed.shader.wgsl().is_some() {
@@ -83,13 +104,15 @@ fn errors(parsed: &Parsed) -> usize {
 /// Whether a name may be one that a build gives: in capitals, as macros are; or a type, unless it is a slip of the pen.
 fn may_be_given(parsed: &Parsed, name: &str, what: Lacks) -> bool {
     let macro_like = syntax::is_macro(name);
-    let slip = parsed.diagnostics.iter().any(|d| d.help.is_some() && d.file.slice(d.span) == name);
+    // A type that an extension brings is told with the line that is missing, and is no slip.
+    let sized = of_32_bits(name).is_some();
+    let slip = !sized && parsed.diagnostics.iter().any(|d| d.help.is_some() && d.file.slice(d.span) == name);
     // Numbers of 64 bits have more digits than any that could stand for them.
     let wide = !macro_like && name.contains("64");
     !slip && !wide && !name.starts_with("gl_") && (macro_like || what == Lacks::Type)
 }
 
-/// The type of 32 bits for one of an extension that is smaller or says its size (GL_EXT_shader_explicit_arithmetic_types):
+/// The type of 32 bits for one that is smaller or says its size, where the extension that brings it is not on:
 /// `uint8_t`, `f16vec2`.
 fn of_32_bits(name: &str) -> Option<String> {
     const BITS: [&str; 3] = ["8", "16", "32"];
@@ -117,7 +140,8 @@ fn plainest(name: &str, what: Lacks) -> String {
 
 /// What to tell of what is assumed.
 pub fn assumption_note(assumed: &[(String, String)]) -> String {
-    let (types, names): (Vec<_>, Vec<_>) = assumed.iter().partition(|(name, _)| of_32_bits(name).is_some());
+    let (bytes, others): (Vec<_>, Vec<_>) = assumed.iter().partition(|(name, _)| name == WIDE_BYTES);
+    let (types, names): (Vec<_>, Vec<_>) = others.into_iter().partition(|(name, _)| of_32_bits(name).is_some());
     let words = |of: Vec<&(String, String)>| {
         of.into_iter().map(|(name, value)| format!("--define {name}={value}")).collect::<Vec<_>>().join(" ")
     };
@@ -130,6 +154,10 @@ pub fn assumption_note(assumed: &[(String, String)]) -> String {
         let what =
             "types of other sizes, for which those of 32 bits stand: their ranges and places in buffers are others";
         told.push(format!("assumed {}: {what}", words(types)));
+    }
+    if !bytes.is_empty() {
+        let what = "numbers of 8 bits take in buffers the place of those of 32: distances in memory are others";
+        told.push(format!("assumed {}: {what}", words(bytes)));
     }
     told.join("; ")
 }

@@ -26,7 +26,13 @@ impl<'s> Builder<'s> {
         let expr = shader.expr(id);
         match &expr.kind {
             ExprKind::Literal(
-                Literal::Bool(_) | Literal::Int(_) | Literal::Uint(_) | Literal::Float(_) | Literal::Double(_),
+                Literal::Bool(_)
+                | Literal::Int(_)
+                | Literal::Uint(_)
+                | Literal::Float(_)
+                | Literal::Double(_)
+                | Literal::Half(_)
+                | Literal::Sized(..),
             ) => {}
             ExprKind::Error => self.failed = true,
             ExprKind::Paren(inner) => self.read(*inner, all),

@@ -31,6 +31,7 @@ pub fn zero(ty: &Type) -> Option<String> {
         ScalarType::Int => "0",
         ScalarType::Uint => "0u",
         ScalarType::Float | ScalarType::Double => "0.0",
+        sized => return Some(format!("{ty}({})", if sized == ScalarType::Half { "0.0" } else { "0" })),
     };
     Some(if ty.is_scalar() { scalar.to_owned() } else { format!("{ty}({scalar})") })
 }

@@ -70,7 +70,9 @@ impl Setter {
     pub fn fits(self, ty: &Type) -> bool {
         let scalar = |s: ScalarType| match s {
             ScalarType::Bool => self.scalar != ScalarType::Double,
-            ScalarType::Int | ScalarType::Uint | ScalarType::Float | ScalarType::Double => s == self.scalar,
+            // Functions of extensions, of which nothing is known here.
+            _ if s.is_sized() => true,
+            _ => s == self.scalar,
         };
         match ty {
             Type::Scalar(s) => !self.matrix && self.rows == 1 && scalar(*s),
@@ -89,6 +91,10 @@ impl Setter {
             ScalarType::Int | ScalarType::Bool => "i",
             ScalarType::Uint => "ui",
             ScalarType::Double => "d",
+            // By another extension.
+            ScalarType::Half => "f16NV",
+            _ if s.is_unsigned() => "ui64ARB",
+            _ => "i64ARB",
         };
         let pointer = if self.vector { "v" } else { "" };
         match ty {

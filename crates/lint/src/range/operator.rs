@@ -114,10 +114,16 @@ pub fn fit(r: Range, scalar: ScalarType) -> Range {
     let inside = match scalar {
         ScalarType::Int => !r.is_finite() || (r.lo >= f64::from(i32::MIN) && r.hi <= f64::from(i32::MAX)),
         ScalarType::Uint => r.lo >= 0.0 && (r.hi.is_infinite() || r.hi <= f64::from(u32::MAX)),
-        ScalarType::Bool | ScalarType::Float | ScalarType::Double => return r,
+        ScalarType::Bool | ScalarType::Half | ScalarType::Float | ScalarType::Double => return r,
+        small if small.is_small_integer() => {
+            let most = f64::from(1u32 << small.bits());
+            let (low, high) = if small.is_signed() { (-most / 2.0, most / 2.0 - 1.0) } else { (0.0, most - 1.0) };
+            r.lo >= low && r.hi <= high
+        }
+        _ => return Range { nan: false, ..Range::unknown(r.sources) },
     };
     let mut fitted = if inside { r } else { Range::unknown(r.sources) };
-    if scalar == ScalarType::Uint {
+    if scalar.is_unsigned() {
         fitted.lo = fitted.lo.max(0.0);
     }
     fitted.nan = false;
@@ -130,8 +136,10 @@ pub fn convert(r: Range, from: ScalarType, to: ScalarType) -> Range {
         ScalarType::Bool if r.excludes_zero() && !r.nan => Range { sources: r.sources, ..Range::exactly(1.0) },
         ScalarType::Bool if r.single() == Some(0.0) => Range { sources: r.sources, ..Range::exactly(0.0) },
         ScalarType::Bool => Range::truth(r.sources),
-        ScalarType::Int | ScalarType::Uint if from.is_floating() => fit(t::stepped(r, f64::trunc), to),
-        ScalarType::Int | ScalarType::Uint => fit(r, to),
-        ScalarType::Float | ScalarType::Double => r,
+        // What is infinite there need not be here.
+        ScalarType::Half if from != ScalarType::Half => Range::unknown(r.sources),
+        ScalarType::Half | ScalarType::Float | ScalarType::Double => r,
+        _ if from.is_floating() => fit(t::stepped(r, f64::trunc), to),
+        _ => fit(r, to),
     }
 }

@@ -34,6 +34,10 @@ fn input(name: &str, stage: Stage) -> Option<(BuiltIn, Type)> {
         (Stage::Compute, "gl_LocalInvocationID") => (BuiltIn::LocalInvocationId, uvec3()),
         (Stage::Compute, "gl_GlobalInvocationID") => (BuiltIn::GlobalInvocationId, uvec3()),
         (Stage::Compute, "gl_LocalInvocationIndex") => (BuiltIn::LocalInvocationIndex, Type::UINT),
+        (Stage::Compute, "gl_SubgroupSize") => (BuiltIn::SubgroupSize, Type::UINT),
+        (Stage::Compute, "gl_SubgroupInvocationID") => (BuiltIn::SubgroupInvocationId, Type::UINT),
+        (Stage::Compute, "gl_SubgroupID") => (BuiltIn::SubgroupId, Type::UINT),
+        (Stage::Compute, "gl_NumSubgroups") => (BuiltIn::NumSubgroups, Type::UINT),
         _ => return None,
     })
 }
@@ -66,6 +70,14 @@ impl Build<'_> {
             self.globals.insert(symbol, Global::Number(n));
             return Ok(());
         }
+        if let Some(op) = super::subgroup::mask(&name) {
+            self.globals.insert(symbol, Global::SubgroupMask(op));
+            return Ok(());
+        }
+        if self.numbers_by_index(&name) {
+            self.globals.insert(symbol, Global::ByIndex(name));
+            return Ok(());
+        }
         let ty = match name.as_str() {
             "gl_in" => self.per_vertex(&info.ty, self.vertices_taken())?,
             "gl_out" => self.per_vertex(&info.ty, self.vertices_given())?,
@@ -87,7 +99,12 @@ impl Build<'_> {
 
     /// A built-in variable that the text does not name, such as the matrix of `ftransform`.
     pub(super) fn named_builtin(&mut self, name: &str, span: Span) -> Result<(Handle<GlobalVariable>, Type)> {
-        let ty = if name == "gl_Vertex" { Type::VEC4 } else { Type::MAT4 };
+        let ty = match name {
+            "gl_Vertex" => Type::VEC4,
+            "gl_LocalInvocationIndex" => Type::UINT,
+            _ if name.starts_with("gl_Subgroup") => Type::UINT,
+            _ => Type::MAT4,
+        };
         if let Some(symbol) = self.shader.builtin(name) {
             if !self.globals.contains_key(&symbol) {
                 self.builtin(symbol, span)?;
@@ -100,6 +117,9 @@ impl Build<'_> {
             return Ok((handle, ty));
         }
         let handle = self.make_builtin(name, &ty, false, span)?;
+        if ty == Type::UINT {
+            self.stage_inputs.push((name.to_owned(), handle, span));
+        }
         self.unnamed.insert(name.to_owned(), handle);
         Ok((handle, ty))
     }

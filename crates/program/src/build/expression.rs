@@ -126,7 +126,19 @@ impl Fun<'_, '_> {
             Literal::Uint(v) => (Number::U32(v), Type::UINT),
             Literal::Float(v) if (v as f32).is_finite() => (Number::F32(v as f32), Type::FLOAT),
             Literal::Double(v) if v.is_finite() => (Number::F64(v), Type::Scalar(ScalarType::Double)),
-            Literal::Float(_) | Literal::Double(_) => {
+            Literal::Half(v) if (v as f32).is_finite() => {
+                return Ok(Val { e: self.half(v as f32), ty: Type::Scalar(ScalarType::Half) });
+            }
+            Literal::Sized(bits, ty) => {
+                let number = match ty {
+                    ScalarType::Int64 => Number::I64(bits.cast_signed()),
+                    ScalarType::Uint64 => Number::U64(bits),
+                    ScalarType::Int16 => Number::I32(i32::from(bits as i16)),
+                    _ => Number::U32(bits as u32),
+                };
+                (number, Type::Scalar(ty))
+            }
+            Literal::Float(_) | Literal::Double(_) | Literal::Half(_) => {
                 return Err(self.build.unsupported(span, "a number out of range", "write a smaller number"));
             }
         };

@@ -94,7 +94,8 @@ impl<'b, 's> Fun<'b, 's> {
     /// Adds an expression, computed here where it is computed at all.
     pub(super) fn add(&mut self, expression: Expression) -> Expr {
         let quiet = expression.needs_pre_emit()
-            || matches!(expression, Expression::CallResult(_) | Expression::AtomicResult { .. });
+            || matches!(expression, Expression::CallResult(_) | Expression::AtomicResult { .. })
+            || matches!(expression, Expression::SubgroupBallotResult | Expression::SubgroupOperationResult { .. });
         let span = self.span();
         let handle = self.expressions.append(expression, span);
         if quiet || self.is_done() {
@@ -182,13 +183,24 @@ impl<'b, 's> Fun<'b, 's> {
     /// A number of a scalar type.
     #[expect(clippy::cast_possible_truncation, reason = "only small whole numbers are asked for")]
     pub(super) fn number(&mut self, scalar: ScalarType, value: f64) -> Expr {
+        if scalar == ScalarType::Half {
+            return self.half(value as f32);
+        }
         self.add(Expression::Literal(match scalar {
             ScalarType::Bool => Literal::Bool(value != 0.0),
-            ScalarType::Int => Literal::I32(value as i32),
-            ScalarType::Uint => Literal::U32(value as u32),
-            ScalarType::Float => Literal::F32(value as f32),
+            ScalarType::Int8 | ScalarType::Int16 | ScalarType::Int => Literal::I32(value as i32),
+            ScalarType::Uint8 | ScalarType::Uint16 | ScalarType::Uint => Literal::U32(value as u32),
+            ScalarType::Int64 => Literal::I64(value as i64),
+            ScalarType::Uint64 => Literal::U64(value as u64),
+            ScalarType::Half | ScalarType::Float => Literal::F32(value as f32),
             ScalarType::Double => Literal::F64(value),
         }))
+    }
+
+    /// A number of binary16.
+    pub(super) fn half(&mut self, value: f32) -> Expr {
+        let expr = self.add(Expression::Literal(Literal::F32(value)));
+        self.add(Expression::As { expr, kind: naga::ScalarKind::Float, convert: Some(2) })
     }
 
     /// A number in every component of a scalar, vector or matrix.

@@ -13,7 +13,7 @@ use super::types::{Layout, has_data};
 use super::{Build, Result};
 use base::text::Span;
 use syntax::Const;
-use syntax::ast::{Callee, ExprId, ExprKind, Ident, UnaryOp};
+use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind, Ident, UnaryOp};
 use syntax::interface::{self, Storage};
 use syntax::symbols::{SymbolId, SymbolKind};
 use syntax::types::{ArraySize, ScalarType, Type};
@@ -31,6 +31,10 @@ pub(super) enum Global {
     Opaque { key: String, ty: Type, data: Option<Handle<GlobalVariable>>, image: ImageLayout },
     /// A number that the language knows.
     Number(i32),
+    /// A number in a subgroup that follows from the number in the workgroup.
+    ByIndex(String),
+    /// Bits of the invocations of a subgroup whose numbers compare so with the own one.
+    SubgroupMask(BinaryOp),
 }
 
 /// Limits of the language (GLSL 4.60, 7.3): the least that an implementation must have.
@@ -568,6 +572,8 @@ impl Fun<'_, '_> {
                 Var::Opaque(Opaque { key, ty, data, image })
             }
             Global::Number(n) => Var::Value(Val { e: self.i32(n), ty: Type::INT }),
+            Global::ByIndex(name) => Var::Value(Val { e: self.number_of(&name, span)?, ty: Type::UINT }),
+            Global::SubgroupMask(op) => Var::Value(self.mask(op, span)?),
         }))
     }
 

@@ -104,6 +104,9 @@ impl Fun<'_, '_> {
         if let Some(value) = self.effect(function, args, span)? {
             return Ok(value);
         }
+        if let Some(value) = self.subgroup(function, args, span)? {
+            return Ok(value);
+        }
         let ty = self.shader.type_of(id).clone();
         let mut values = Vec::new();
         for &arg in args {
@@ -126,16 +129,22 @@ impl Fun<'_, '_> {
         Ok(all)
     }
 
-    /// Numbers as `float`, or as `double` where one of them is.
+    /// Numbers as `float`, or as what the widest of them is that is no whole number.
     fn floating(&mut self, values: Vec<Val>) -> Result<Vec<Val>> {
-        let double = values.iter().any(|v| v.ty.scalar() == Some(ScalarType::Double));
-        let to = if double { ScalarType::Double } else { ScalarType::Float };
+        let kinds = values.iter().filter_map(|v| v.ty.scalar()).filter(|s| s.is_floating());
+        let to = kinds.max().unwrap_or(ScalarType::Float);
         let mut all = Vec::new();
         for value in values {
             let from = value.ty.scalar().unwrap_or(to);
             all.push(self.cast(value, from, to)?);
         }
         Ok(all)
+    }
+
+    /// A number as `float`.
+    fn as_float(&mut self, value: Val) -> Result<Val> {
+        let from = value.ty.scalar().unwrap_or(ScalarType::Float);
+        self.cast(value, from, ScalarType::Float)
     }
 
     /// Whole numbers as `uint`.
@@ -153,11 +162,15 @@ impl Fun<'_, '_> {
         if let Some(value) = self.bits(function, &values)? {
             return Ok(value);
         }
+        if let Some(value) = self.repacked(function, ty, &values)? {
+            return Ok(value);
+        }
         if let Some(value) = self.comparison(function, &values)? {
             return Ok(value);
         }
         if let Some(fun) = each(function).or_else(|| one(function)) {
-            let whole = matches!(function, F::Abs | F::Sign) && values[0].ty.scalar() == Some(ScalarType::Int);
+            let signed = values[0].ty.scalar().is_some_and(ScalarType::is_signed);
+            let whole = matches!(function, F::Abs | F::Sign) && signed;
             let words = matches!(fun, M::ReverseBits | M::Unpack4x8snorm | M::Unpack4x8unorm)
                 || matches!(fun, M::Unpack2x16snorm | M::Unpack2x16unorm | M::Unpack2x16float);
             // The packed word is a `uint`, to which an `int` is converted.
@@ -165,10 +178,14 @@ impl Fun<'_, '_> {
                 (M::ReverseBits, _) => values,
                 (_, true) if words => self.words(values)?,
                 (_, true) => values,
+                (M::Pack4x8snorm | M::Pack4x8unorm | M::Pack2x16snorm | M::Pack2x16unorm | M::Pack2x16float, _) => {
+                    vec![self.as_float(values[0].clone())?]
+                }
                 (_, false) => self.floating(values)?,
             };
             let e = self.math(fun, &[values[0].e]);
-            return Ok(Val { e, ty: if ty.is_error() { values[0].ty.clone() } else { kept(ty, &values[0].ty, fun) } });
+            let ty = if ty.is_error() { values[0].ty.clone() } else { kept(ty, &values[0].ty, fun) };
+            return if whole { self.wrapped(Val { e, ty }) } else { Ok(Val { e, ty }) };
         }
         if function == F::Mix && values[2].ty.scalar() == Some(ScalarType::Bool) {
             let condition = values[2].clone();
@@ -396,7 +413,7 @@ impl Fun<'_, '_> {
                 };
                 // A whole number becomes a `float` first.
                 let value = match function {
-                    F::FloatBitsToInt | F::FloatBitsToUint => self.floating(vec![values[0].clone()])?.remove(0),
+                    F::FloatBitsToInt | F::FloatBitsToUint => self.as_float(values[0].clone())?,
                     _ => values[0].clone(),
                 };
                 let e = self.add(Expression::As { expr: value.e, kind: scalar(to).kind, convert: None });

@@ -24,10 +24,12 @@ mod operator;
 mod patch;
 mod place;
 pub(crate) mod quad;
+mod repack;
 mod shared;
 mod single;
 mod statement;
 mod stream;
+mod subgroup;
 mod texture;
 mod types;
 
@@ -54,6 +56,10 @@ pub(crate) use buffer::axes_of_texels;
 pub(crate) use math::name_of_each;
 
 pub use discard::DISCARD;
+pub(crate) use subgroup::BY_INDEX;
+
+/// A macro with which numbers of 8 bits take in buffers the place of those of 32: naga has none.
+pub const WIDE_BYTES: &str = "SHADERCHECK_WIDE_BYTES";
 
 type Expr = Handle<Expression>;
 /// Something that the harness has no way to pass, with its place.
@@ -120,6 +126,10 @@ struct Build<'s> {
     /// Functions behind whose calls the invocation may be discarded.
     stopping: HashSet<Handle<Function>>,
     workgroup: [u32; 3],
+    /// Numbers of 8 bits stand in buffers as those of 32.
+    wide_bytes: bool,
+    /// Types for which that was done.
+    widened: Vec<String>,
 }
 
 /// Builds a program out of a shader in which the front end found no error.
@@ -178,6 +188,8 @@ fn one(shader: &Shader, target: &Target, run: bool) -> std::result::Result<(Prog
         sites: HashMap::new(),
         stopping: HashSet::new(),
         workgroup: shader.workgroup_size().unwrap_or([1; 3]),
+        wide_bytes: shader.defines().iter().any(|(name, _)| name == WIDE_BYTES),
+        widened: Vec::new(),
     };
     let built = contain(|| build.run(target))
         .map_err(|panic| ProgramError::internal(format!("a module cannot be built: {panic}")))?;

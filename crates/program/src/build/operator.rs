@@ -25,13 +25,14 @@ impl Fun<'_, '_> {
             }
             return self.compose(&value.ty, parts);
         }
-        if value.ty.scalar() == Some(ScalarType::Uint) && op == UnaryOperator::Negate {
+        if value.ty.scalar().is_some_and(ScalarType::is_unsigned) && op == UnaryOperator::Negate {
             // naga negates signed numbers alone.
             let zero = self.all(&value.ty, 0.0)?;
             let e = self.add(Expression::Binary { op: BinaryOperator::Subtract, left: zero.e, right: value.e });
-            return Ok(Val { e, ty: value.ty });
+            return self.wrapped(Val { e, ty: value.ty });
         }
-        Ok(self.add_unary(op, value))
+        let value = self.add_unary(op, value);
+        self.wrapped(value)
     }
 
     fn add_unary(&mut self, op: UnaryOperator, value: Val) -> Val {
@@ -44,13 +45,18 @@ impl Fun<'_, '_> {
             let message = format!("an operator between `{}` and `{}`", left.ty, right.ty);
             return Err(self.build.unsupported(self.at, message, "use numbers"));
         };
-        // `int`, `uint`, `float`, `double`: each converts to those behind it.
+        // Each type converts to some of those behind it.
         let to = a.max(b);
         Ok((self.cast(left, a, to)?, self.cast(right, b, to)?, to))
     }
 
     /// A binary operator whose sides are both computed.
     pub(super) fn binary(&mut self, op: BinaryOp, left: Val, right: Val) -> Result<Val> {
+        let value = self.operator(op, left, right)?;
+        self.wrapped(value)
+    }
+
+    fn operator(&mut self, op: BinaryOp, left: Val, right: Val) -> Result<Val> {
         use BinaryOperator as B;
         match op {
             BinaryOp::Equal | BinaryOp::NotEqual => {
@@ -155,7 +161,7 @@ impl Fun<'_, '_> {
             (Type::Matrix(s, _, rows), Type::Matrix(_, columns, _)) => Type::Matrix(*s, *columns, *rows),
             (Type::Scalar(_), other) | (other, Type::Scalar(_)) => {
                 let scalar = other.scalar().unwrap_or(ScalarType::Float);
-                if matches!(other, Type::Matrix(..)) && scalar == ScalarType::Double {
+                if matches!(other, Type::Matrix(..)) && matches!(scalar, ScalarType::Double | ScalarType::Half) {
                     return self.by_component(BinaryOperator::Multiply, left, right, scalar);
                 }
                 other.clone()

@@ -198,11 +198,18 @@ impl Fun<'_, '_> {
         let e = self.add(Expression::Load { pointer: place.ptr });
         let Some(picked) = &place.swizzle else {
             let e = self.decoded(e, place.host, &place.ty)?;
-            return Ok(Val { e, ty: place.ty.clone() });
+            return self.byte_of(Val { e, ty: place.ty.clone() });
         };
         let whole = self.wider(&place.ty, place.host);
         let e = self.decoded(e, place.host, &whole)?;
-        self.swizzle(&Val { e, ty: whole }, picked)
+        let picked = self.swizzle(&Val { e, ty: whole }, picked)?;
+        self.byte_of(picked)
+    }
+
+    /// Where numbers of 8 bits take the place of those of 32, a host may have filled in more.
+    fn byte_of(&mut self, value: Val) -> Result<Val> {
+        let byte = value.ty.scalar().is_some_and(|s| s.bits() == 8);
+        if byte && !self.build.widened.is_empty() { self.wrapped(value) } else { Ok(value) }
     }
 
     /// The parts of a structure or array that holds atomic integers: it is no value, but each of them is one.
@@ -283,6 +290,10 @@ impl Fun<'_, '_> {
             return Ok(e);
         }
         match ty {
+            Type::Scalar(s) | Type::Vector(s, _) if s.is_small_integer() => {
+                let kind = super::types::scalar(*s).kind;
+                Ok(self.add(Expression::As { expr: e, kind, convert: Some(4) }))
+            }
             Type::Scalar(ScalarType::Bool) | Type::Vector(ScalarType::Bool, _) => {
                 let zero = self.all(&ty.with_scalar(ScalarType::Uint), 0.0)?.e;
                 Ok(self.add(Expression::Binary { op: BinaryOperator::NotEqual, left: e, right: zero }))
@@ -297,6 +308,10 @@ impl Fun<'_, '_> {
             return Ok(e);
         }
         match ty {
+            Type::Scalar(s) | Type::Vector(s, _) if s.is_small_integer() => {
+                let kind = super::types::scalar(*s).kind;
+                Ok(self.add(Expression::As { expr: e, kind, convert: Some(2) }))
+            }
             Type::Scalar(ScalarType::Bool) | Type::Vector(ScalarType::Bool, _) => {
                 Ok(self.add(Expression::As { expr: e, kind: ScalarKind::Uint, convert: Some(4) }))
             }
@@ -456,6 +471,13 @@ impl Fun<'_, '_> {
         }
         let scalar = super::types::scalar(to);
         let ty = value.ty.with_scalar(to);
+        if to.is_small_integer() || super::types::scalar(from) == scalar {
+            // With 32 bits first.
+            let plain = if to.is_signed() { ScalarType::Int } else { ScalarType::Uint };
+            let same = super::types::scalar(from) == scalar;
+            let e = if same { value.e } else { self.cast(value, from, plain)?.e };
+            return self.wrapped(Val { e, ty });
+        }
         if let Type::Matrix(_, columns, rows) = value.ty {
             let mut parts = Vec::new();
             for k in 0..columns {

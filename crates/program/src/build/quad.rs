@@ -77,7 +77,7 @@ pub(crate) fn steps(n: u32) -> [f64; 2] {
 }
 
 impl Fun<'_, '_> {
-    fn word(&mut self, value: u32) -> Expr {
+    pub(super) fn word(&mut self, value: u32) -> Expr {
         self.add(Expression::Literal(Literal::U32(value)))
     }
 

@@ -21,8 +21,12 @@ pub(super) enum Layout {
 pub(super) fn scalar(ty: ScalarType) -> Scalar {
     match ty {
         ScalarType::Bool => Scalar::BOOL,
-        ScalarType::Int => Scalar::I32,
-        ScalarType::Uint => Scalar::U32,
+        // Small whole numbers are computed with 32 bits and brought back behind each operation.
+        ScalarType::Int8 | ScalarType::Int16 | ScalarType::Int => Scalar::I32,
+        ScalarType::Uint8 | ScalarType::Uint16 | ScalarType::Uint => Scalar::U32,
+        ScalarType::Int64 => Scalar::I64,
+        ScalarType::Uint64 => Scalar::U64,
+        ScalarType::Half => Scalar::F16,
         ScalarType::Float => Scalar::F32,
         ScalarType::Double => Scalar::F64,
     }
@@ -52,8 +56,20 @@ impl Build<'_> {
     pub(super) fn make(&mut self, ty: &Type, layout: Layout, span: Span) -> Result<Handle<NagaType>> {
         let number = |s: ScalarType| match (s, layout) {
             (ScalarType::Bool, Layout::Uniform | Layout::Storage) => Scalar::U32,
+            (ScalarType::Int16, Layout::Uniform | Layout::Storage) => Scalar::I16,
+            (ScalarType::Uint16, Layout::Uniform | Layout::Storage) => Scalar::U16,
             _ => scalar(s),
         };
+        if layout != Layout::Value
+            && let Some(byte) = ty.scalar().filter(|s| s.bits() == 8)
+        {
+            // naga has no numbers of 8 bits. Where that is told, they take the place of those of 32.
+            if !self.wide_bytes {
+                let message = format!("`{}` in a buffer", byte.name());
+                return Err(self.unsupported(span, message, "use numbers of 16 or 32 bits, and take them apart"));
+            }
+            self.widened.push(ty.to_string());
+        }
         let inner = match ty {
             Type::Scalar(s) => TypeInner::Scalar(number(*s)),
             Type::Vector(s, n) => TypeInner::Vector { size: size(*n), scalar: number(*s) },

@@ -341,7 +341,8 @@ pub(super) enum Inst {
         others: Vec<Reg>,
         site: Site,
     },
-    /// Waits for all invocations of the workgroup; what they wrote to memories of these kinds is seen behind it.
+    /// Waits for all invocations of the workgroup, or of the subgroup; what they wrote to memories of these kinds is seen
+    /// behind it.
     Barrier {
         orders: naga::Barrier,
         site: Site,

@@ -3,7 +3,7 @@
 use super::Work;
 use syntax::ast::{BinaryOp, Callee, ExprKind};
 use syntax::symbols::{CallTarget, Direction};
-use syntax::types::{ScalarType, Type};
+use syntax::types::Type;
 
 pub(super) fn check(work: &mut Work<'_>) {
     types(work);
@@ -32,7 +32,7 @@ fn types(work: &mut Work<'_>) {
 
 fn is_double(ty: &Type) -> bool {
     match ty {
-        Type::Scalar(scalar) | Type::Vector(scalar, _) | Type::Matrix(scalar, _, _) => *scalar == ScalarType::Double,
+        Type::Scalar(scalar) | Type::Vector(scalar, _) | Type::Matrix(scalar, _, _) => scalar.bits() != 32,
         Type::Array(element, _) => is_double(element),
         Type::Error | Type::Void | Type::Opaque(_) | Type::Struct(_) => false,
     }

@@ -1,6 +1,7 @@
 //! Expressions and the arena that holds them.
 
 use super::TypeSpecifier;
+use crate::types::ScalarType;
 use base::text::Span;
 
 /// A name with its place.
@@ -103,6 +104,10 @@ pub enum Literal {
     Float(f64),
     /// A floating-point literal with the suffix `lf`.
     Double(f64),
+    /// A floating-point literal with the suffix `hf`.
+    Half(f64),
+    /// An integer with the suffix `s`, `us`, `l` or `ul`: its bits, and its type.
+    Sized(u64, ScalarType),
 }
 
 /// Kinds of expressions.

@@ -18,8 +18,9 @@ pub(crate) struct Signature {
 }
 
 /// Functions with what their overloads look like: component types, sizes, form. In the form `T` is the vector of the
-/// size and component type, `S` its component, `B`, `I`, `U`, `F` the `bvec`, `ivec`, `uvec`, `vec` of that size;
-/// anything else is a type by its name. Component types: f(loat) d(ouble) i(nt) u(int) b(ool).
+/// size and component type, `S` its component, `B`, `I`, `U`, `F` the `bvec`, `ivec`, `uvec`, `vec` of that size, `I16`,
+/// `U16`, `F16` the same of 16 bits; anything else is a type by its name. Component types: f(loat) d(ouble) i(nt) u(int)
+/// b(ool), and those of extensions: h(alf), c(har) s(hort) l(ong), and C S L without a sign.
 macro_rules! functions {
     ($($($variant:ident $name:literal),* : $([$kinds:literal $sizes:literal $form:literal])*;)*) => {
         /// A built-in function, with all its overloads. What a call of one means is decided by this, and not by a name.
@@ -48,31 +49,31 @@ macro_rules! functions {
 functions! {
     // 8.1 angles and trigonometry
     Radians "radians", Degrees "degrees", Sin "sin", Cos "cos", Tan "tan", Asin "asin", Acos "acos", Sinh "sinh",
-    Cosh "cosh", Tanh "tanh", Asinh "asinh", Acosh "acosh", Atanh "atanh": ["f" "1234" "T(T)"];
-    Atan "atan": ["f" "1234" "T(T)"] ["f" "1234" "T(T,T)"];
+    Cosh "cosh", Tanh "tanh", Asinh "asinh", Acosh "acosh", Atanh "atanh": ["fh" "1234" "T(T)"];
+    Atan "atan": ["fh" "1234" "T(T)"] ["fh" "1234" "T(T,T)"];
     // 8.2 exponentials
-    Pow "pow": ["f" "1234" "T(T,T)"];
-    Exp "exp", Log "log", Exp2 "exp2", Log2 "log2": ["f" "1234" "T(T)"];
-    Sqrt "sqrt", Inversesqrt "inversesqrt": ["fd" "1234" "T(T)"];
+    Pow "pow": ["fh" "1234" "T(T,T)"];
+    Exp "exp", Log "log", Exp2 "exp2", Log2 "log2": ["fh" "1234" "T(T)"];
+    Sqrt "sqrt", Inversesqrt "inversesqrt": ["fdh" "1234" "T(T)"];
     // 8.3 common functions
-    Abs "abs", Sign "sign": ["fdi" "1234" "T(T)"];
+    Abs "abs", Sign "sign": ["fdihcs" "1234" "T(T)"];
     Floor "floor", Trunc "trunc", Round "round", RoundEven "roundEven", Ceil "ceil",
-    Fract "fract": ["fd" "1234" "T(T)"];
-    Mod "mod": ["fd" "1234" "T(T,T)"] ["fd" "234" "T(T,S)"];
-    Modf "modf": ["fd" "1234" "T(T,out T)"];
-    Min "min", Max "max": ["fdiu" "1234" "T(T,T)"] ["fdiu" "234" "T(T,S)"];
-    Clamp "clamp": ["fdiu" "1234" "T(T,T,T)"] ["fdiu" "234" "T(T,S,S)"];
-    Mix "mix": ["fd" "1234" "T(T,T,T)"] ["fd" "234" "T(T,T,S)"] ["fdiub" "1234" "T(T,T,B)"];
-    Step "step": ["fd" "1234" "T(T,T)"] ["fd" "234" "T(S,T)"];
-    Smoothstep "smoothstep": ["fd" "1234" "T(T,T,T)"] ["fd" "234" "T(S,S,T)"];
-    Isnan "isnan", Isinf "isinf": ["fd" "1234" "B(T)"];
+    Fract "fract": ["fdh" "1234" "T(T)"];
+    Mod "mod": ["fdh" "1234" "T(T,T)"] ["fdh" "234" "T(T,S)"];
+    Modf "modf": ["fdh" "1234" "T(T,out T)"];
+    Min "min", Max "max": ["fdiuhcCsS" "1234" "T(T,T)"] ["fdiuhcCsS" "234" "T(T,S)"];
+    Clamp "clamp": ["fdiuhcCsS" "1234" "T(T,T,T)"] ["fdiuhcCsS" "234" "T(T,S,S)"];
+    Mix "mix": ["fdh" "1234" "T(T,T,T)"] ["fdh" "234" "T(T,T,S)"] ["fdiubhcCsS" "1234" "T(T,T,B)"];
+    Step "step": ["fdh" "1234" "T(T,T)"] ["fdh" "234" "T(S,T)"];
+    Smoothstep "smoothstep": ["fdh" "1234" "T(T,T,T)"] ["fdh" "234" "T(S,S,T)"];
+    Isnan "isnan", Isinf "isinf": ["fdh" "1234" "B(T)"];
     FloatBitsToInt "floatBitsToInt": ["f" "1234" "I(T)"];
     FloatBitsToUint "floatBitsToUint": ["f" "1234" "U(T)"];
     IntBitsToFloat "intBitsToFloat": ["i" "1234" "F(T)"];
     UintBitsToFloat "uintBitsToFloat": ["u" "1234" "F(T)"];
-    Fma "fma": ["fd" "1234" "T(T,T,T)"];
-    Frexp "frexp": ["fd" "1234" "T(T,out I)"];
-    Ldexp "ldexp": ["fd" "1234" "T(T,I)"];
+    Fma "fma": ["fdh" "1234" "T(T,T,T)"];
+    Frexp "frexp": ["fdh" "1234" "T(T,out I)"];
+    Ldexp "ldexp": ["fdh" "1234" "T(T,I)"];
     // 8.4 packing
     PackUnorm2x16 "packUnorm2x16", PackSnorm2x16 "packSnorm2x16", PackHalf2x16 "packHalf2x16": ["f" "1" "uint(vec2)"];
     PackUnorm4x8 "packUnorm4x8", PackSnorm4x8 "packSnorm4x8": ["f" "1" "uint(vec4)"];
@@ -81,22 +82,33 @@ functions! {
     UnpackUnorm4x8 "unpackUnorm4x8", UnpackSnorm4x8 "unpackSnorm4x8": ["f" "1" "vec4(uint)"];
     PackDouble2x32 "packDouble2x32": ["f" "1" "double(uvec2)"];
     UnpackDouble2x32 "unpackDouble2x32": ["f" "1" "uvec2(double)"];
+    // GL_EXT_shader_explicit_arithmetic_types, 8.4
+    Pack16 "pack16": ["c" "2" "int16_t(T)"] ["C" "2" "uint16_t(T)"];
+    Pack32 "pack32": ["c" "4" "int(T)"] ["C" "4" "uint(T)"] ["s" "2" "int(T)"] ["S" "2" "uint(T)"];
+    Unpack8 "unpack8": ["s" "1" "i8vec2(T)"] ["S" "1" "u8vec2(T)"] ["i" "1" "i8vec4(T)"] ["u" "1" "u8vec4(T)"];
+    Unpack16 "unpack16": ["i" "1" "i16vec2(T)"] ["u" "1" "u16vec2(T)"];
+    PackFloat2x16 "packFloat2x16": ["h" "2" "uint(T)"];
+    UnpackFloat2x16 "unpackFloat2x16": ["u" "1" "f16vec2(T)"];
+    Float16BitsToInt16 "float16BitsToInt16", HalfBitsToInt16 "halfBitsToInt16": ["h" "1234" "I16(T)"];
+    Float16BitsToUint16 "float16BitsToUint16", HalfBitsToUint16 "halfBitsToUint16": ["h" "1234" "U16(T)"];
+    Int16BitsToFloat16 "int16BitsToFloat16", Int16BitsToHalf "int16BitsToHalf": ["s" "1234" "F16(T)"];
+    Uint16BitsToFloat16 "uint16BitsToFloat16", Uint16BitsToHalf "uint16BitsToHalf": ["S" "1234" "F16(T)"];
     // 8.5 geometric functions
-    Length "length": ["fd" "1234" "S(T)"];
-    Distance "distance", Dot "dot": ["fd" "1234" "S(T,T)"];
-    Cross "cross": ["fd" "3" "T(T,T)"];
-    Normalize "normalize": ["fd" "1234" "T(T)"];
-    Faceforward "faceforward": ["fd" "1234" "T(T,T,T)"];
-    Reflect "reflect": ["fd" "1234" "T(T,T)"];
-    Refract "refract": ["fd" "1234" "T(T,T,S)"];
+    Length "length": ["fdh" "1234" "S(T)"];
+    Distance "distance", Dot "dot": ["fdh" "1234" "S(T,T)"];
+    Cross "cross": ["fdh" "3" "T(T,T)"];
+    Normalize "normalize": ["fdh" "1234" "T(T)"];
+    Faceforward "faceforward": ["fdh" "1234" "T(T,T,T)"];
+    Reflect "reflect": ["fdh" "1234" "T(T,T)"];
+    Refract "refract": ["fdh" "1234" "T(T,T,S)"];
     Ftransform "ftransform": ["f" "1" "vec4()"];
     // 8.6 matrices; their forms follow from the sizes
     MatrixCompMult "matrixCompMult", OuterProduct "outerProduct", Transpose "transpose", Determinant "determinant",
     Inverse "inverse":;
     // 8.7 vector relations
     LessThan "lessThan", LessThanEqual "lessThanEqual", GreaterThan "greaterThan",
-    GreaterThanEqual "greaterThanEqual": ["fdiu" "234" "B(T,T)"];
-    Equal "equal", NotEqual "notEqual": ["fdiub" "234" "B(T,T)"];
+    GreaterThanEqual "greaterThanEqual": ["fdiuhcCsSlL" "234" "B(T,T)"];
+    Equal "equal", NotEqual "notEqual": ["fdiubhcCsSlL" "234" "B(T,T)"];
     Any "any", All "all": ["b" "234" "bool(T)"];
     Not "not": ["b" "234" "T(T)"];
     // 8.8 integers
@@ -139,6 +151,43 @@ functions! {
     AnyInvocation "anyInvocation", AllInvocations "allInvocations", AllInvocationsEqual "allInvocationsEqual",
     AnyInvocationARB "anyInvocationARB", AllInvocationsARB "allInvocationsARB",
     AllInvocationsEqualARB "allInvocationsEqualARB": ["f" "1" "bool(bool)"];
+    // GL_KHR_shader_subgroup
+    SubgroupBarrier "subgroupBarrier", SubgroupMemoryBarrier "subgroupMemoryBarrier",
+    SubgroupMemoryBarrierBuffer "subgroupMemoryBarrierBuffer",
+    SubgroupMemoryBarrierShared "subgroupMemoryBarrierShared",
+    SubgroupMemoryBarrierImage "subgroupMemoryBarrierImage": ["f" "1" "void()"];
+    SubgroupElect "subgroupElect": ["f" "1" "bool()"];
+    SubgroupAll "subgroupAll", SubgroupAny "subgroupAny": ["f" "1" "bool(bool)"];
+    SubgroupAllEqual "subgroupAllEqual": ["fdiubhcCsSlL" "1234" "bool(T)"];
+    SubgroupBroadcastFirst "subgroupBroadcastFirst", SubgroupQuadSwapHorizontal "subgroupQuadSwapHorizontal",
+    SubgroupQuadSwapVertical "subgroupQuadSwapVertical",
+    SubgroupQuadSwapDiagonal "subgroupQuadSwapDiagonal": ["fdiubhcCsSlL" "1234" "T(T)"];
+    SubgroupBroadcast "subgroupBroadcast", SubgroupShuffle "subgroupShuffle", SubgroupShuffleXor "subgroupShuffleXor",
+    SubgroupShuffleUp "subgroupShuffleUp", SubgroupShuffleDown "subgroupShuffleDown",
+    SubgroupRotate "subgroupRotate", SubgroupQuadBroadcast "subgroupQuadBroadcast": ["fdiubhcCsSlL" "1234" "T(T,uint)"];
+    SubgroupClusteredRotate "subgroupClusteredRotate": ["fdiubhcCsSlL" "1234" "T(T,uint,uint)"];
+    SubgroupBallot "subgroupBallot": ["f" "1" "uvec4(bool)"];
+    SubgroupInverseBallot "subgroupInverseBallot": ["f" "1" "bool(uvec4)"];
+    SubgroupBallotBitExtract "subgroupBallotBitExtract": ["f" "1" "bool(uvec4,uint)"];
+    SubgroupBallotBitCount "subgroupBallotBitCount", SubgroupBallotInclusiveBitCount "subgroupBallotInclusiveBitCount",
+    SubgroupBallotExclusiveBitCount "subgroupBallotExclusiveBitCount", SubgroupBallotFindLSB "subgroupBallotFindLSB",
+    SubgroupBallotFindMSB "subgroupBallotFindMSB": ["f" "1" "uint(uvec4)"];
+    SubgroupAdd "subgroupAdd", SubgroupMul "subgroupMul", SubgroupMin "subgroupMin", SubgroupMax "subgroupMax",
+    SubgroupInclusiveAdd "subgroupInclusiveAdd", SubgroupInclusiveMul "subgroupInclusiveMul",
+    SubgroupInclusiveMin "subgroupInclusiveMin", SubgroupInclusiveMax "subgroupInclusiveMax",
+    SubgroupExclusiveAdd "subgroupExclusiveAdd", SubgroupExclusiveMul "subgroupExclusiveMul",
+    SubgroupExclusiveMin "subgroupExclusiveMin",
+    SubgroupExclusiveMax "subgroupExclusiveMax": ["fdiuhcCsSlL" "1234" "T(T)"];
+    SubgroupAnd "subgroupAnd", SubgroupOr "subgroupOr", SubgroupXor "subgroupXor",
+    SubgroupInclusiveAnd "subgroupInclusiveAnd", SubgroupInclusiveOr "subgroupInclusiveOr",
+    SubgroupInclusiveXor "subgroupInclusiveXor", SubgroupExclusiveAnd "subgroupExclusiveAnd",
+    SubgroupExclusiveOr "subgroupExclusiveOr",
+    SubgroupExclusiveXor "subgroupExclusiveXor": ["iubcCsSlL" "1234" "T(T)"];
+    SubgroupClusteredAdd "subgroupClusteredAdd", SubgroupClusteredMul "subgroupClusteredMul",
+    SubgroupClusteredMin "subgroupClusteredMin",
+    SubgroupClusteredMax "subgroupClusteredMax": ["fdiuhcCsSlL" "1234" "T(T,uint)"];
+    SubgroupClusteredAnd "subgroupClusteredAnd", SubgroupClusteredOr "subgroupClusteredOr",
+    SubgroupClusteredXor "subgroupClusteredXor": ["iubcCsSlL" "1234" "T(T,uint)"];
     // 8.9 textures and 8.12 images; their forms follow from the types of samplers and images
     TextureSize "textureSize", TextureQueryLevels "textureQueryLevels", TextureQueryLod "textureQueryLod",
     TextureSamples "textureSamples", TexelFetch "texelFetch", TexelFetchOffset "texelFetchOffset", Texture "texture",
@@ -201,7 +250,7 @@ fn table() -> &'static Table {
 }
 
 /// The signatures of a built-in function; none when there is no such function. `float` forms
-/// come before `double` ones.
+/// come before `double` ones, and those of extensions last.
 pub(crate) fn functions(name: &str) -> &'static [Signature] {
     table().get(name).map_or(&[], Vec::as_slice)
 }
@@ -217,6 +266,13 @@ fn scalar(kind: char) -> ScalarType {
         'i' => ScalarType::Int,
         'u' => ScalarType::Uint,
         'b' => ScalarType::Bool,
+        'h' => ScalarType::Half,
+        'c' => ScalarType::Int8,
+        'C' => ScalarType::Uint8,
+        's' => ScalarType::Int16,
+        'S' => ScalarType::Uint16,
+        'l' => ScalarType::Int64,
+        'L' => ScalarType::Uint64,
         _ => ScalarType::Float,
     }
 }
@@ -229,6 +285,9 @@ fn spread(form: &str, scalar: ScalarType, size: u8) -> Signature {
         "I" => Type::vector(ScalarType::Int, size),
         "U" => Type::vector(ScalarType::Uint, size),
         "F" => Type::vector(ScalarType::Float, size),
+        "I16" => Type::vector(ScalarType::Int16, size),
+        "U16" => Type::vector(ScalarType::Uint16, size),
+        "F16" => Type::vector(ScalarType::Half, size),
         // A test proves that every other word of the table is a type.
         name => Type::from_name(name).unwrap_or(Type::Error),
     };
@@ -251,7 +310,7 @@ fn matrices(all: &mut Table) {
         let params = params.iter().map(|t| (Direction::In, t.clone())).collect();
         all.entry(name).or_default().push(Signature { params, result, bias: false });
     };
-    for s in [ScalarType::Float, ScalarType::Double] {
+    for s in [ScalarType::Float, ScalarType::Double, ScalarType::Half] {
         for c in 2..=4 {
             for r in 2..=4 {
                 let m = Type::Matrix(s, c, r);

@@ -25,6 +25,54 @@ fn by_name(rows: &'static [Row]) -> HashMap<&'static str, Vec<&'static Row>> {
     found
 }
 
+/// Extensions of subgroups: each brings along what the basic one has.
+const BASIC: &[&str] = &[
+    "KHR_shader_subgroup_basic",
+    "KHR_shader_subgroup_vote",
+    "KHR_shader_subgroup_ballot",
+    "KHR_shader_subgroup_arithmetic",
+    "KHR_shader_subgroup_shuffle",
+    "KHR_shader_subgroup_shuffle_relative",
+    "KHR_shader_subgroup_rotate",
+    "KHR_shader_subgroup_clustered",
+    "KHR_shader_subgroup_quad",
+];
+
+/// Extensions that bring types which say their size, the one that brings nothing else first.
+const INT8: &[&str] = &[
+    "EXT_shader_explicit_arithmetic_types_int8",
+    "EXT_shader_explicit_arithmetic_types",
+    "EXT_shader_8bit_storage",
+    "NV_gpu_shader5",
+];
+const INT16: &[&str] = &[
+    "EXT_shader_explicit_arithmetic_types_int16",
+    "EXT_shader_explicit_arithmetic_types",
+    "EXT_shader_16bit_storage",
+    "AMD_gpu_shader_int16",
+    "NV_gpu_shader5",
+];
+const INT32: &[&str] =
+    &["EXT_shader_explicit_arithmetic_types_int32", "EXT_shader_explicit_arithmetic_types", "NV_gpu_shader5"];
+const INT64: &[&str] = &[
+    "EXT_shader_explicit_arithmetic_types_int64",
+    "EXT_shader_explicit_arithmetic_types",
+    "ARB_gpu_shader_int64",
+    "AMD_gpu_shader_int64",
+    "NV_gpu_shader5",
+];
+const FLOAT16: &[&str] = &[
+    "EXT_shader_explicit_arithmetic_types_float16",
+    "EXT_shader_explicit_arithmetic_types",
+    "EXT_shader_16bit_storage",
+    "AMD_gpu_shader_half_float",
+    "NV_gpu_shader5",
+];
+const FLOAT32: &[&str] =
+    &["EXT_shader_explicit_arithmetic_types_float32", "EXT_shader_explicit_arithmetic_types", "NV_gpu_shader5"];
+const FLOAT64: &[&str] =
+    &["EXT_shader_explicit_arithmetic_types_float64", "EXT_shader_explicit_arithmetic_types", "NV_gpu_shader5"];
+
 const FUNCTIONS: &[Row] = &[
     ("sinh cosh tanh asinh acosh atanh trunc round roundEven modf isnan isinf", "*", 130, 300, &["EXT_gpu_shader4"]),
     ("outerProduct transpose", "*", 120, 300, &[]),
@@ -88,6 +136,73 @@ const FUNCTIONS: &[Row] = &[
     ("groupMemoryBarrier memoryBarrierShared", "k", 430, 310, &["ARB_compute_shader"]),
     ("anyInvocation allInvocations allInvocationsEqual", "*", 460, NEVER, &[]),
     ("anyInvocationARB allInvocationsARB allInvocationsEqualARB", "*", NEVER, NEVER, &["ARB_shader_group_vote"]),
+    (
+        "subgroupElect subgroupMemoryBarrier subgroupMemoryBarrierBuffer subgroupMemoryBarrierImage",
+        "*",
+        NEVER,
+        NEVER,
+        BASIC,
+    ),
+    ("subgroupBarrier", "*", NEVER, NEVER, BASIC),
+    ("subgroupMemoryBarrierShared", "k", NEVER, NEVER, BASIC),
+    ("subgroupAll subgroupAny subgroupAllEqual", "*", NEVER, NEVER, &["KHR_shader_subgroup_vote"]),
+    (
+        "subgroupBroadcast subgroupBroadcastFirst subgroupBallot subgroupInverseBallot subgroupBallotBitExtract \
+         subgroupBallotBitCount subgroupBallotInclusiveBitCount subgroupBallotExclusiveBitCount subgroupBallotFindLSB \
+         subgroupBallotFindMSB",
+        "*",
+        NEVER,
+        NEVER,
+        &["KHR_shader_subgroup_ballot"],
+    ),
+    ("subgroupShuffle subgroupShuffleXor", "*", NEVER, NEVER, &["KHR_shader_subgroup_shuffle"]),
+    ("subgroupShuffleUp subgroupShuffleDown", "*", NEVER, NEVER, &["KHR_shader_subgroup_shuffle_relative"]),
+    ("subgroupRotate subgroupClusteredRotate", "*", NEVER, NEVER, &["KHR_shader_subgroup_rotate"]),
+    (
+        "subgroupQuadBroadcast subgroupQuadSwapHorizontal subgroupQuadSwapVertical subgroupQuadSwapDiagonal",
+        "*",
+        NEVER,
+        NEVER,
+        &["KHR_shader_subgroup_quad"],
+    ),
+    (
+        "subgroupAdd subgroupMul subgroupMin subgroupMax subgroupAnd subgroupOr subgroupXor subgroupInclusiveAdd \
+         subgroupInclusiveMul subgroupInclusiveMin subgroupInclusiveMax subgroupInclusiveAnd subgroupInclusiveOr \
+         subgroupInclusiveXor subgroupExclusiveAdd subgroupExclusiveMul subgroupExclusiveMin subgroupExclusiveMax \
+         subgroupExclusiveAnd subgroupExclusiveOr subgroupExclusiveXor",
+        "*",
+        NEVER,
+        NEVER,
+        &["KHR_shader_subgroup_arithmetic"],
+    ),
+    (
+        "subgroupClusteredAdd subgroupClusteredMul subgroupClusteredMin subgroupClusteredMax subgroupClusteredAnd \
+         subgroupClusteredOr subgroupClusteredXor",
+        "*",
+        NEVER,
+        NEVER,
+        &["KHR_shader_subgroup_clustered"],
+    ),
+    (
+        "pack16 pack32 unpack8 unpack16",
+        "*",
+        NEVER,
+        NEVER,
+        &[
+            "EXT_shader_explicit_arithmetic_types",
+            "EXT_shader_explicit_arithmetic_types_int8",
+            "EXT_shader_explicit_arithmetic_types_int16",
+        ],
+    ),
+    ("packFloat2x16 unpackFloat2x16", "*", NEVER, NEVER, FLOAT16),
+    (
+        "float16BitsToInt16 float16BitsToUint16 int16BitsToFloat16 uint16BitsToFloat16 halfBitsToInt16 halfBitsToUint16 \
+         int16BitsToHalf uint16BitsToHalf",
+        "*",
+        NEVER,
+        NEVER,
+        FLOAT16,
+    ),
     ("ftransform", "v", 110, NEVER, &[]),
     (
         "texture1D texture1DProj texture3D texture3DProj shadow1D shadow2D shadow1DProj shadow2DProj",
@@ -171,6 +286,14 @@ const VARIABLES: &[Row] = &[
     ("gl_NumSamples", "*", 400, 320, &["ARB_sample_shading", "OES_sample_variables"]),
     ("gl_HelperInvocation", "*", 450, 310, &[]),
     ("gl_in", "g", 150, 320, &[]),
+    ("gl_SubgroupSize gl_SubgroupInvocationID gl_NumSubgroups gl_SubgroupID", "*", NEVER, NEVER, BASIC),
+    (
+        "gl_SubgroupEqMask gl_SubgroupGeMask gl_SubgroupGtMask gl_SubgroupLeMask gl_SubgroupLtMask",
+        "*",
+        NEVER,
+        NEVER,
+        &["KHR_shader_subgroup_ballot"],
+    ),
     ("gl_VertexIndex gl_InstanceIndex", "*", NEVER, NEVER, &["KHR_vulkan_glsl"]),
     ("gl_MaxClipDistances gl_MaxVaryingComponents", "*", 130, NEVER, &[]),
     ("gl_MinProgramTexelOffset gl_MaxProgramTexelOffset", "*", 130, 300, &[]),
@@ -266,6 +389,9 @@ pub(crate) fn in_per_vertex(name: &str) -> bool {
 
 /// When a built-in type came; none for those of the first version.
 pub(crate) fn type_since(name: &str) -> Option<Since> {
+    if let Some((scalar, _)) = ScalarType::of_sized_name(name) {
+        return Some((NEVER, NEVER, sized(scalar)));
+    }
     let ty = Type::from_name(name)?;
     Some(match ty {
         Type::Scalar(ScalarType::Uint) | Type::Vector(ScalarType::Uint, _) => (130, 300, &["EXT_gpu_shader4"]),
@@ -305,6 +431,29 @@ pub(crate) fn type_since(name: &str) -> Option<Since> {
         | Type::Struct(_)
         | Type::Array(..) => return None,
     })
+}
+
+/// True for the name of a type that says its size, such as `float16_t`.
+pub(crate) fn is_sized_name(name: &str) -> bool {
+    ScalarType::of_sized_name(name).is_some()
+}
+
+/// True when the language has a type that only extensions bring.
+pub(crate) fn has_scalar(scalar: ScalarType, language: &Language) -> bool {
+    language.since((NEVER, NEVER, sized(scalar)))
+}
+
+/// The extensions that bring the names which say a size for a type.
+fn sized(scalar: ScalarType) -> &'static [&'static str] {
+    match scalar {
+        ScalarType::Int8 | ScalarType::Uint8 => INT8,
+        ScalarType::Int16 | ScalarType::Uint16 => INT16,
+        ScalarType::Bool | ScalarType::Int | ScalarType::Uint => INT32,
+        ScalarType::Int64 | ScalarType::Uint64 => INT64,
+        ScalarType::Half => FLOAT16,
+        ScalarType::Float => FLOAT32,
+        ScalarType::Double => FLOAT64,
+    }
 }
 
 #[cfg(test)]
@@ -354,6 +503,14 @@ mod tests {
         assert!(matches!(type_since("usampler2D"), Some((130, 300, _))));
         assert!(matches!(type_since("samplerCubeArray"), Some((400, 320, _))));
         assert_eq!(type_since("sampler2D"), None);
+        assert!(matches!(
+            type_since("f16vec2"),
+            Some((NEVER, NEVER, ["EXT_shader_explicit_arithmetic_types_float16", ..]))
+        ));
+        assert!(matches!(
+            type_since("uint32_t"),
+            Some((NEVER, NEVER, ["EXT_shader_explicit_arithmetic_types_int32", ..]))
+        ));
         assert!(matches!(type_since("sampler2DShadow"), Some((110, 300, _))));
     }
 }

@@ -58,6 +58,15 @@ const TABLE: &[(&str, &str, &str, char)] = &[
     ("gl_NumWorkGroups gl_WorkGroupID gl_LocalInvocationID gl_GlobalInvocationID gl_WorkGroupSize", "k", "uvec3", 'r'),
     ("gl_LocalInvocationIndex", "k", "uint", 'r'),
     ("gl_NumSamples", "f", "int", 'r'),
+    // GL_KHR_shader_subgroup
+    ("gl_SubgroupSize gl_SubgroupInvocationID", "vcegfk", "uint", 'r'),
+    ("gl_NumSubgroups gl_SubgroupID", "k", "uint", 'r'),
+    (
+        "gl_SubgroupEqMask gl_SubgroupGeMask gl_SubgroupGtMask gl_SubgroupLeMask gl_SubgroupLtMask",
+        "vcegfk",
+        "uvec4",
+        'r',
+    ),
     // The compatibility profile
     ("gl_Vertex gl_Color gl_SecondaryColor", "v", "vec4", 'r'),
     ("gl_Normal", "v", "vec3", 'r'),

@@ -4,12 +4,13 @@ use super::super::ast::{Callee, ExprId, Ident, ItemKind};
 use super::super::builtin::{self, BuiltinFunction, Signature};
 use super::super::constructor::{Constructor, Fit};
 use super::super::fold::{self, Const};
-use super::super::language::{Feature, Language};
+use super::super::language::Feature;
 use super::super::names::nearest;
 use super::super::symbols::{BuiltinCall, CallTarget, Direction, FunctionId};
-use super::super::types::{ArraySize, Conversions, OpaqueKind, ScalarType, Type};
+use super::super::types::{ArraySize, Conversions, ScalarType, Type};
 use super::super::{Lacks, errors};
 use super::expression::{article, with_near};
+use super::overload::{available, cost, to_other};
 use super::{Checker, Entry};
 use base::diagnostic::message;
 use base::text::Span;
@@ -518,6 +519,7 @@ fn is_better(one: &Candidate, other: &Candidate, types: &[Type]) -> bool {
         let (from, to) = if *direction == Direction::In { (given, param) } else { (param, given) };
         match (from.scalar(), to.scalar()) {
             _ if from == to => 0,
+            (Some(a), Some(b)) if a.is_sized() => i32::try_from(to_other(a, b)).unwrap_or(i32::MAX),
             (Some(ScalarType::Float), Some(ScalarType::Double)) => 1,
             (_, Some(ScalarType::Double)) => 3,
             _ => 2,
@@ -534,64 +536,4 @@ fn sampled(ty: &Type) -> Type {
         Type::Opaque(opaque) => Type::Opaque(opaque.sampled()),
         other => other.clone(),
     }
-}
-
-/// True when the version has this form of a built-in function: those on unsigned integers, on `double`,
-/// and some on integers came later than the function itself.
-fn available(name: &str, signature: &Signature, language: &Language, fragment: bool) -> bool {
-    if language.is_open() {
-        return true;
-    }
-    let uses = |wanted: ScalarType| {
-        let is = |t: &Type| {
-            t.scalar() == Some(wanted)
-                || matches!(t, Type::Opaque(o) if o.scalar == wanted && o.kind != OpaqueKind::AtomicCounter)
-        };
-        signature.params.iter().any(|p| is(&p.1)) || is(&signature.result)
-    };
-    if uses(ScalarType::Double) && !language.has(Feature::Doubles) {
-        return false;
-    }
-    if uses(ScalarType::Uint) && !language.has(Feature::UnsignedIntegers) {
-        return false;
-    }
-    if signature.bias && !fragment {
-        return false;
-    }
-    let first = signature.params.first().and_then(|p| p.1.scalar());
-    match name {
-        "abs" | "sign" | "min" | "max" | "clamp" if first == Some(ScalarType::Int) => {
-            language.since((130, 300, &["EXT_gpu_shader4"]))
-        }
-        "mix" if signature.params.last().and_then(|p| p.1.scalar()) == Some(ScalarType::Bool) => {
-            if first.is_some_and(ScalarType::is_floating) {
-                language.at_least(130, 300)
-            } else {
-                language.since((450, 310, &["EXT_shader_integer_mix"]))
-            }
-        }
-        "outerProduct" | "transpose" | "matrixCompMult" => {
-            !language.es() || language.number() >= 300 || square(signature)
-        }
-        _ => true,
-    }
-}
-
-fn square(signature: &Signature) -> bool {
-    matches!(signature.result, Type::Matrix(_, c, r) if c == r)
-}
-
-fn cost(from: &Type, to: &Type, rules: Conversions) -> Option<u32> {
-    if !rules.allow(from, to) {
-        return None;
-    }
-    Some(match (from.scalar(), to.scalar()) {
-        (Some(a), Some(b)) if a != b => match (a, b) {
-            (ScalarType::Float, ScalarType::Double) => 1,
-            (_, ScalarType::Uint) => 2,
-            (_, ScalarType::Float) => 3,
-            _ => 4,
-        },
-        _ => 0,
-    })
 }

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use super::super::ast::{LayoutEntry, Qualifiers};
 use super::super::errors;
 use super::super::interface::{Block, Interface, Storage};
-use super::super::types::{ArraySize, ScalarType, Type};
+use super::super::types::{ArraySize, Type};
 use super::Checker;
 use base::diagnostic::message;
 use base::text::Span;
@@ -26,8 +26,8 @@ struct Buffers {
 fn size(ty: &Type) -> Option<(i64, bool)> {
     Some(match ty {
         Type::Scalar(s) | Type::Vector(s, _) | Type::Matrix(s, ..) => {
-            let double = *s == ScalarType::Double;
-            (i64::try_from(ty.components()?).ok()? * if double { 8 } else { 4 }, double)
+            let double = s.bits() == 64;
+            (i64::try_from(ty.components()?).ok()? * i64::from(s.bits() / 8), double)
         }
         Type::Array(element, ArraySize::Known(n)) => {
             let (bytes, double) = size(element)?;

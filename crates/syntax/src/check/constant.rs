@@ -23,6 +23,16 @@ impl Checker<'_> {
         false
     }
 
+    /// Tells a literal of a type that only an extension brings, where none is on.
+    pub(super) fn need_type(&mut self, scalar: ScalarType, span: Span) {
+        let name = scalar.name();
+        if let Some(since) = builtin::type_since(name).filter(|since| !self.language.since(*since))
+            && self.reported_names.insert(name.to_owned())
+        {
+            self.lacks(message!("a literal of `{name}`", "`{name}` のリテラル"), since, span);
+        }
+    }
+
     /// Tells that something came later than this version.
     pub(super) fn lacks(&mut self, what: Message, since: Since, span: Span) {
         self.language.lacks(self.sink, &what, since, span);

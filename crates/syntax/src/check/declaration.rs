@@ -55,6 +55,9 @@ impl Checker<'_> {
                         && self.reported_names.insert(name.clone())
                     {
                         self.lacks(message!("`{name}`", "`{name}` "), since, span);
+                        if builtin::is_sized_name(name) {
+                            self.lack(name, Lacks::Type);
+                        }
                     }
                     return ty;
                 }

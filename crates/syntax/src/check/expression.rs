@@ -47,14 +47,16 @@ impl Checker<'_> {
         let expr = self.arena.get(id);
         match &expr.kind {
             ExprKind::Literal(literal) => {
+                self.literal(*literal, expr.span, expr.from_macro);
                 let value = match *literal {
                     Literal::Bool(v) => Const::Bool(v),
                     Literal::Int(v) => Const::Int(v),
                     Literal::Uint(v) => Const::Uint(v),
                     Literal::Float(v) => Const::Float(fold::round(v)),
                     Literal::Double(v) => Const::Double(v),
+                    Literal::Half(_) => return (Type::Scalar(ScalarType::Half), None),
+                    Literal::Sized(_, ty) => return (Type::Scalar(ty), None),
                 };
-                self.literal(*literal, expr.span, expr.from_macro);
                 (value.ty(), Some(value))
             }
             ExprKind::Name(name) => self.name(id, name, expr.span),

@@ -165,6 +165,8 @@ impl Checker<'_> {
             Literal::Double(_) => {
                 self.need(Feature::Doubles, span);
             }
+            Literal::Half(_) => self.need_type(ScalarType::Half, span),
+            Literal::Sized(_, ty) => self.need_type(ty, span),
             Literal::Float(_) => {
                 let suffix = !from_macro && self.sink.file.slice(span).ends_with(['f', 'F']);
                 if suffix && !self.language.has(Feature::FloatSuffix) {

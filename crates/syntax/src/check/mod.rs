@@ -15,6 +15,7 @@ mod lvalue;
 mod meeting;
 mod offsets;
 mod operator;
+mod overload;
 mod places;
 mod statement;
 mod uses;

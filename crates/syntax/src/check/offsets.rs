@@ -11,7 +11,7 @@ use base::diagnostic::message;
 /// Alignment and size in bytes; none where a size is not known.
 pub fn extent_of(ty: &Type, std140: bool, row_major: bool) -> Option<(i64, i64)> {
     let up = |n: i64, to: i64| (n + to - 1) / to * to;
-    let unit = |s: ScalarType| if s == ScalarType::Double { 8 } else { 4 };
+    let unit = |s: ScalarType| i64::from(s.bits() / 8);
     Some(match ty {
         Type::Scalar(s) => (unit(*s), unit(*s)),
         Type::Vector(s, n) => (unit(*s) * if *n == 2 { 2 } else { 4 }, unit(*s) * i64::from(*n)),

@@ -4,7 +4,7 @@
 use super::super::ast::{AuxiliaryQualifier, Ident, LayoutEntry, QualifierKind, Qualifiers};
 use super::super::fold::Const;
 use super::super::interface::{Block, Interface, Storage, Variable};
-use super::super::types::{ArraySize, ScalarType, Type};
+use super::super::types::{ArraySize, Type};
 use super::super::{Stage, errors};
 use super::Checker;
 use base::diagnostic::message;
@@ -27,7 +27,7 @@ pub(super) fn is_patch(qualifiers: &Qualifiers) -> bool {
 /// Locations that a value of this type takes between stages; none for a size that is not known.
 fn locations(ty: &Type) -> Option<i64> {
     Some(match ty {
-        Type::Vector(ScalarType::Double, 3 | 4) => 2,
+        Type::Vector(scalar, 3 | 4) if scalar.bits() == 64 => 2,
         Type::Scalar(_) | Type::Vector(..) => 1,
         Type::Matrix(scalar, columns, rows) => i64::from(*columns) * locations(&Type::Vector(*scalar, *rows))?,
         Type::Array(element, ArraySize::Known(n)) => i64::from(*n).checked_mul(locations(element)?)?,
@@ -162,7 +162,7 @@ impl Checker<'_> {
         while let Type::Array(element, _) = ty {
             ty = element;
         }
-        let double = ty.scalar() == Some(ScalarType::Double);
+        let double = ty.scalar().is_some_and(|s| s.bits() == 64);
         let width = match ty {
             Type::Scalar(_) | Type::Vector(..) => ty.components().unwrap_or(4) * if double { 2 } else { 1 },
             _ => 4,

@@ -221,6 +221,14 @@ pub(crate) fn all(language: &Language) -> Vec<String> {
             all.extend(ends.map(|end| format!("{prefix}{kind}{dimension}{end}")));
         }
     }
+    for (kind, long, bits) in [("f", "float", "16 32 64"), ("i", "int", "8 16 32 64"), ("u", "uint", "8 16 32 64")] {
+        for bits in parts(bits) {
+            all.push(format!("{long}{bits}_t"));
+            all.extend(parts("vec2 vec3 vec4").map(|vector| format!("{kind}{bits}{vector}")));
+            let sizes = parts("2 3 4 2x2 2x3 2x4 3x2 3x3 3x4 4x2 4x3 4x4").filter(|_| kind == "f");
+            all.extend(sizes.map(|size| format!("{kind}{bits}mat{size}")));
+        }
+    }
     all.retain(|word| is_keyword(word) && !words.is_late(word));
     all
 }

@@ -107,7 +107,10 @@ impl Parser<'_> {
             Lex::Number => match number::literal(tok.text(self.file)) {
                 Ok(Literal::Int(v)) => i64::from(v),
                 Ok(Literal::Uint(v)) => i64::from(v),
-                Ok(Literal::Bool(_) | Literal::Float(_) | Literal::Double(_)) | Err(_) => {
+                Ok(
+                    Literal::Bool(_) | Literal::Float(_) | Literal::Double(_) | Literal::Half(_) | Literal::Sized(..),
+                )
+                | Err(_) => {
                     self.at -= 1;
                     return self.error("a condition takes integers only");
                 }

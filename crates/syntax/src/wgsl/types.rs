@@ -115,9 +115,9 @@ pub fn is_sampler(ty: &Type) -> bool {
 pub fn spelling(ty: &Type) -> String {
     let name = |s: ScalarType| match s {
         ScalarType::Bool => "bool",
-        ScalarType::Int => "i32",
-        ScalarType::Uint => "u32",
-        ScalarType::Float | ScalarType::Double => "f32",
+        s if s.is_floating() => "f32",
+        s if s.is_unsigned() => "u32",
+        _ => "i32",
     };
     match ty {
         Type::Scalar(s) => name(*s).to_owned(),

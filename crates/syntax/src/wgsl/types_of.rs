@@ -84,7 +84,9 @@ impl Checker<'_> {
             Literal::Bool(v) => (Type::BOOL, Const::Bool(v)),
             Literal::Int(v) => (Type::INT, Const::Int(v)),
             Literal::Uint(v) => (Type::UINT, Const::Uint(v)),
-            Literal::Float(v) | Literal::Double(v) => (Type::FLOAT, Const::Float(fold::round(v))),
+            Literal::Float(v) | Literal::Double(v) | Literal::Half(v) => (Type::FLOAT, Const::Float(fold::round(v))),
+            // The lexer of WGSL makes none.
+            Literal::Sized(..) => return Type::Error,
         };
         self.out.values[id.index()] = Some(value);
         let span = self.arena.get(id).span;
@@ -147,9 +149,9 @@ impl Checker<'_> {
             }
             ExprKind::Literal(Literal::Int(v)) => {
                 let literal = match scalar {
-                    ScalarType::Float | ScalarType::Double => Literal::Float(f64::from(v)),
-                    ScalarType::Uint => Literal::Uint(v.cast_unsigned()),
-                    ScalarType::Int | ScalarType::Bool => Literal::Int(v),
+                    scalar if scalar.is_floating() => Literal::Float(f64::from(v)),
+                    scalar if scalar.is_unsigned() => Literal::Uint(v.cast_unsigned()),
+                    _ => Literal::Int(v),
                 };
                 self.arena.replace(id, ExprKind::Literal(literal));
             }

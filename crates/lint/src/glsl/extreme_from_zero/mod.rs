@@ -10,7 +10,7 @@ use base::text::Span;
 use syntax::Shader;
 use syntax::ast::{Callee, ExprId, ExprKind, Literal, StmtKind};
 use syntax::symbols::SymbolId;
-use syntax::types::{ScalarType, Type};
+use syntax::types::Type;
 
 use super::names::has_word;
 use super::numeric::bare;
@@ -33,7 +33,7 @@ fn is_zero(shader: &Shader, id: ExprId) -> bool {
     match &shader.expr(id).kind {
         ExprKind::Call { args, .. } => !args.is_empty() && args.iter().all(|arg| is_zero(shader, *arg)),
         ExprKind::Literal(Literal::Int(0) | Literal::Uint(0)) => true,
-        ExprKind::Literal(Literal::Float(number) | Literal::Double(number)) => *number == 0.0,
+        ExprKind::Literal(Literal::Float(number) | Literal::Double(number) | Literal::Half(number)) => *number == 0.0,
         _ => false,
     }
 }
@@ -63,7 +63,7 @@ fn is_element(shader: &Shader, id: ExprId) -> bool {
         matches!(shader.symbol(symbol).kind, K::Global(_) | K::BlockMember(_) | K::BlockInstance(_))
     };
     let float = match shader.type_of(id).scalar() {
-        Some(scalar) => matches!(scalar, ScalarType::Float | ScalarType::Double),
+        Some(scalar) => scalar.is_floating(),
         None => *shader.type_of(id) == Type::Error,
     };
     float && crate::wgsl::root(shader, base).is_some_and(|(symbol, _)| global(symbol))

@@ -127,9 +127,7 @@ fn interpolation(qualifiers: &Qualifiers) -> Option<Interpolation> {
 /// True for a type that is, or contains, integers or doubles.
 fn is_whole(ty: &Type) -> bool {
     match ty {
-        Type::Scalar(s) | Type::Vector(s, _) | Type::Matrix(s, _, _) => {
-            matches!(s, ScalarType::Int | ScalarType::Uint | ScalarType::Double)
-        }
+        Type::Scalar(s) | Type::Vector(s, _) | Type::Matrix(s, _, _) => s.is_integer() || *s == ScalarType::Double,
         Type::Array(element, _) => is_whole(element),
         Type::Struct(s) => s.fields.iter().any(|f| is_whole(&f.ty)),
         Type::Error | Type::Void | Type::Opaque(_) => false,

@@ -36,7 +36,7 @@ fn amount(shader: &Shader, file: &ShaderFile, project: &Project, id: ExprId) -> 
         _ => return None,
     };
     // Integers of extensions, such as `uint64_t`, have other numbers of bits.
-    if shader.type_of(shifted).is_error() {
+    if shader.type_of(shifted).is_error() || shader.type_of(shifted).scalar().is_some_and(|s| s.bits() != 32) {
         return None;
     }
     let observed = file.observed(project);

@@ -137,10 +137,10 @@ fn other_type(
     findings: &Findings<'_>,
 ) -> Diagnostic {
     let spelled = |s: ScalarType| match s {
-        ScalarType::Int => "i32",
-        ScalarType::Uint => "u32",
         ScalarType::Bool => "bool",
-        ScalarType::Float | ScalarType::Double => "f32",
+        s if s.is_floating() => "f32",
+        s if s.is_unsigned() => "u32",
+        _ => "i32",
     };
     let (name, format) = (&input.name.name, &given.format.name);
     let (here, there) = (spelled(given.format.scalar), spelled(input.scalar));

@@ -2,7 +2,7 @@
 
 use naga::{Expression, Handle, ScalarKind};
 
-use super::super::code::{Inst, Register, Word2};
+use super::super::code::{Field, Inst, Register, Word2};
 use super::super::domain::{Comparison, FromWords, Site, ToWords, Unary};
 use super::{Compiler, Frame, InterpError, types, unsupported};
 use base::value::Scalar;
@@ -17,6 +17,9 @@ impl<'m> Compiler<'m> {
         convert: Option<u8>,
     ) -> Result<Vec<Register>, InterpError> {
         let registers = self.registers(frame, expr)?;
+        // A whole number of 16 bits, as memory keeps it: see `expression`.
+        let whole = matches!(kind, ScalarKind::Sint | ScalarKind::Uint);
+        let (short, convert) = if convert == Some(2) && whole { (true, Some(4)) } else { (false, convert) };
         let span = frame.function.expressions.get_span(expr);
         let width = convert.unwrap_or(4);
         let target = types::scalar(naga::Scalar { kind, width }).map_err(|what| unsupported(what, span))?;
@@ -27,6 +30,12 @@ impl<'m> Compiler<'m> {
                 Some(2) => {
                     let converted = self.convert(site, a, target);
                     self.real1(site, Unary::Narrow, converted)
+                }
+                Some(_) if short => {
+                    let op = if kind == ScalarKind::Sint { Field::ExtractSigned } else { Field::ExtractUnsigned };
+                    let converted = self.convert(site, a, target);
+                    let (offset, count) = (self.word(0, Scalar::U32), self.word(16, Scalar::U32));
+                    self.field(None, op, [converted, offset, count, count])
                 }
                 Some(_) => self.convert(site, a, target),
                 None => self.reinterpret(site, a, target),

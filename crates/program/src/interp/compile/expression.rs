@@ -67,6 +67,19 @@ impl<'m> Compiler<'m> {
         let span = frame.function.expressions.get_span(handle);
         let refuse = |what: &str| Err(unsupported(what.to_owned(), span));
         let site = self.site(frame, handle);
+        // Whole numbers of 16 bits are loaded, stored and converted; operations keep 32 bits.
+        let numbers = frame.info[handle].ty.inner_with(&self.module.types).scalar();
+        let short = numbers.is_some_and(|s| s.width == 2 && s != naga::Scalar::F16);
+        let passes = |expression: &Expression| {
+            use Expression as E;
+            matches!(
+                expression,
+                E::Load { .. } | E::As { convert: Some(_), .. } | E::Access { .. } | E::AccessIndex { .. }
+            ) || matches!(expression, E::Compose { .. } | E::Splat { .. } | E::Swizzle { .. } | E::GlobalVariable(_))
+        };
+        if short && !passes(&frame.function.expressions[handle]) {
+            return refuse("16-bit integers");
+        }
         let registers: Vec<Register> = match frame.function.expressions[handle] {
             Expression::Literal(literal) => vec![self.literal(literal, Some(site), span)?],
             Expression::Constant(constant) => self.constant_expression(self.module.constants[constant].init)?,

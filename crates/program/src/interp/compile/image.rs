@@ -34,7 +34,7 @@ pub(super) fn shape(module: &Module, handle: Handle<GlobalVariable>) -> Option<R
         name: "".into(),
         offset: k as u32,
         scalar: channel.scalar(),
-        half: false,
+        short: false,
         component: (count > 1).then_some(k as u32),
         lens: [].into(),
     };

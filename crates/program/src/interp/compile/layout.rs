@@ -119,8 +119,8 @@ impl Layout {
             all.push(Leaf {
                 name: whole.clone(),
                 offset,
-                scalar: types::scalar(scalar)?,
-                half: scalar == naga::Scalar::F16,
+                scalar: types::scalar_in_memory(scalar)?,
+                short: scalar.width == 2,
                 component,
                 lens: all_lens.clone(),
             });
@@ -169,7 +169,7 @@ impl Layout {
 /// Words that a scalar takes.
 fn leaf_words(layout: Layout, leaf: &Leaf) -> u32 {
     match layout {
-        Layout::Host { unit: 2 } if !leaf.half => 2,
+        Layout::Host { unit: 2 } if !leaf.short => 2,
         Layout::Host { .. } | Layout::Packed => 1,
     }
 }
@@ -179,7 +179,7 @@ fn unit(module: &Module, ty: Handle<Type>) -> u32 {
     let halves = match module.types[ty].inner {
         TypeInner::Array { base, .. } => unit(module, base) == 2,
         TypeInner::Struct { ref members, .. } => members.iter().any(|member| unit(module, member.ty) == 2),
-        ref inner => inner.scalar() == Some(naga::Scalar::F16),
+        ref inner => inner.scalar().is_some_and(|scalar| scalar.width == 2),
     };
     if halves { 2 } else { 4 }
 }

@@ -161,9 +161,6 @@ impl<'m> Compiler<'m> {
         if self.subject.shared.is_empty() {
             return Err(unsupported("barriers".to_owned(), span));
         }
-        if barrier == Barrier::SUB_GROUP {
-            return Err(unsupported("barriers of subgroups".to_owned(), span));
-        }
         let site = self.statement_site(frame, span);
         self.push(Inst::Barrier { orders: barrier, site });
         Ok(())

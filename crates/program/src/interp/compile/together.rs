@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::rc::Rc;
 
 use naga::valid::FunctionInfo;
-use naga::{AddressSpace, Barrier, Block, BuiltIn, Expression, Function, GlobalVariable, Handle, Statement};
+use naga::{AddressSpace, Block, BuiltIn, Expression, Function, GlobalVariable, Handle, Statement};
 
 use super::super::code::{Case, Inst, Reg, Register, Word1, Word2};
 use super::super::integer;
@@ -209,9 +209,6 @@ impl<'m> Compiler<'m> {
         }
         match statement {
             Statement::Block(block) => self.together(all, block, false)?,
-            Statement::ControlBarrier(barrier) if *barrier == Barrier::SUB_GROUP => {
-                return Err(unsupported("barriers of subgroups".to_owned(), span));
-            }
             Statement::ControlBarrier(_) => {}
             Statement::If { condition, accept, reject } => {
                 let condition = self.common(all, *condition, span)?;

@@ -21,6 +21,15 @@ pub(super) fn scalar(scalar: naga::Scalar) -> Result<Scalar, String> {
     }
 }
 
+/// The scalar type of what lies in memory: whole numbers of 16 bits are loaded as those of 32.
+pub(super) fn scalar_in_memory(of: naga::Scalar) -> Result<Scalar, String> {
+    match (of.kind, of.width) {
+        (ScalarKind::Sint, 2) => Ok(Scalar::I32),
+        (ScalarKind::Uint, 2) => Ok(Scalar::U32),
+        _ => scalar(of),
+    }
+}
+
 /// True for numbers of binary16, and for arrays of them.
 pub(super) fn is_half(module: &Module, ty: Handle<Type>) -> bool {
     match module.types[ty].inner {

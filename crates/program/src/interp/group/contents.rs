@@ -243,8 +243,9 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
     #[inline]
     fn touch(&mut self, access: &MemoryAccess, k: usize, slot: usize, word: usize, touch: Access, effect: Effect) {
         let who = Party { group: self.number, local: (k * SLOTS + slot) as u32, access: touch, site: access.site };
+        let now = self.now(k * SLOTS + slot);
         let contents = &mut self.contents[access.memory as usize];
-        self.log.touch((access.memory, contents), word, who, &self.epochs, effect);
+        self.log.touch((access.memory, contents), word, who, (&self.epochs, now), effect);
     }
 
     /// Notes a NaN that gets into a buffer.

@@ -97,13 +97,30 @@ impl Incident {
     }
 }
 
+/// How many barriers an invocation is behind.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) struct Epoch {
+    /// Of its workgroup.
+    pub barriers: u32,
+    /// Its subgroup.
+    pub subgroup: u32,
+    /// Those of its subgroup.
+    pub within: u32,
+}
+
+impl Epoch {
+    /// True when a barrier of their subgroup comes between two invocations.
+    fn is_within_subgroup(self, other: Self) -> bool {
+        self.subgroup == other.subgroup && self.within != other.within
+    }
+}
+
 /// Who touched a word last.
 #[derive(Clone, Copy)]
 struct Touched {
     party: Party,
     effect: Effect,
-    /// Barriers of its workgroup before.
-    epoch: u32,
+    epoch: Epoch,
     /// Number of the access in the dispatch.
     time: u64,
 }
@@ -314,11 +331,10 @@ impl Log {
         memory: (u32, &mut Contents<D>),
         word: usize,
         party: Party,
-        epochs: &Epochs,
+        (epochs, epoch): (&Epochs, Epoch),
         effect: Effect,
     ) {
         let (index, contents) = memory;
-        let epoch = epochs.now();
         contents.reach = contents.reach.max(word + 1);
         if !contents.is_watched() {
             return;
@@ -343,7 +359,8 @@ impl Log {
                 let both = before.party.access == Access::Atomic && party.access == Access::Atomic && !undoes;
                 let same = before.party.group == party.group;
                 let own = same && before.party.local == party.local;
-                let ordered = same && epochs.order(before.epoch, kind);
+                let ordered =
+                    same && (epochs.order(before.epoch.barriers, kind) || before.epoch.is_within_subgroup(epoch));
                 !own && !both && !ordered && (same || !self.is_passed_on(before, party.group))
             })
         };
@@ -354,7 +371,7 @@ impl Log {
         }
         if let Some(before) = met {
             let plain = before.party.access == Access::Write && party.access == Access::Write;
-            let apart = before.party.group == party.group && before.epoch != epoch;
+            let apart = before.party.group == party.group && before.epoch.barriers != epoch.barriers;
             let what = match plain && effect == Effect::Kept {
                 true => Wrong::SameValue,
                 false if apart => Wrong::Unordered,

@@ -42,7 +42,7 @@ pub use whole::{Ran, Whole};
 
 pub(super) use access::{Combine, Extent, MemoryAccess, MemoryOp, Step};
 use epochs::Epochs;
-use memory::{Contents, Log};
+use memory::{Contents, Epoch, Log};
 pub(super) use subgroup::{Fold, From, Subgroup, SubgroupOp};
 
 /// A dispatch.
@@ -158,6 +158,7 @@ impl Executable {
             log: Log::default(),
             number: 0,
             epochs: Epochs::default(),
+            subgroup_epochs: Vec::new(),
             work: dispatch.work,
             rounds: 0,
             findings: Vec::new(),
@@ -219,6 +220,8 @@ struct Group<'e, 'd, D: InMemory> {
     number: u32,
     /// Barriers that it is behind.
     epochs: Epochs,
+    /// Barriers that each of its subgroups is behind.
+    subgroup_epochs: Vec<u32>,
     /// Rounds of loops that are left.
     work: u64,
     /// Rounds so far, of all machines.
@@ -241,6 +244,7 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
     fn run(&mut self, number: u32) {
         self.number = number;
         self.epochs = Epochs::default();
+        self.subgroup_epochs.clear();
         self.doubts_noticed = false;
         let size: usize = self.dispatch.size.iter().map(|&n| n as usize).product();
         for (contents, shape) in self.contents.iter_mut().zip(&self.executable.memories) {
@@ -331,6 +335,7 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
                 let count = self.contents[*memory as usize].extent(*of);
                 self.machines.iter_mut().for_each(|machine| machine.words[*to as usize] = [count; SLOTS]);
             }
+            Inst::Barrier { orders, .. } if *orders == naga::Barrier::SUB_GROUP => self.barrier_of_subgroups(),
             Inst::Barrier { orders, site } => {
                 self.epochs.pass(*orders);
                 self.barrier(*site);
@@ -441,6 +446,24 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
         for machine in &mut self.machines {
             machine.active = machine.breakable.pop().unwrap_or_default().left;
         }
+    }
+
+    /// Orders what the invocations of each subgroup did that are here (GL_KHR_shader_subgroup_basic).
+    fn barrier_of_subgroups(&mut self) {
+        let width = self.dispatch.subgroup as usize;
+        let count = (self.machines.len() * SLOTS).div_ceil(width);
+        self.subgroup_epochs.resize(count, 0);
+        for (k, epoch) in self.subgroup_epochs.iter_mut().enumerate() {
+            let here = |n: usize| self.machines.get(n / SLOTS).is_some_and(|machine| machine.active.has(n % SLOTS));
+            *epoch += u32::from((k * width..(k + 1) * width).any(here));
+        }
+    }
+
+    /// When an invocation touches memory.
+    fn now(&self, local: usize) -> Epoch {
+        let subgroup = local / self.dispatch.subgroup as usize;
+        let within = self.subgroup_epochs.get(subgroup).copied().unwrap_or(0);
+        Epoch { barriers: self.epochs.now(), subgroup: subgroup as u32, within }
     }
 
     /// Every invocation of the workgroup has to be here (WGSL, 17.11; GLSL 4.60, 8.16).

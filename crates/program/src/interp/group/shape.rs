@@ -29,8 +29,8 @@ pub struct Leaf {
     pub offset: u32,
     /// Its type.
     pub scalar: Scalar,
-    /// True for a number of binary16.
-    pub half: bool,
+    /// True for a number of 16 bits.
+    pub short: bool,
     /// For a component of a vector or matrix, which one.
     pub component: Option<u32>,
     /// Lengths of the arrays of fixed size on the way to it, outermost first.
@@ -70,7 +70,7 @@ pub struct MemoryShape {
     pub name: String,
     /// Who sees it.
     pub space: Space,
-    /// Bytes of a word: 4, or 2 where numbers of binary16 are in it. A number that is longer is told by its first word.
+    /// Bytes of a word: 4, or 2 where numbers of 16 bits are in it. A number that is longer is told by its first word.
     pub unit: u32,
     /// Words without the elements of `array`.
     pub words: u32,
@@ -112,16 +112,21 @@ impl MemoryShape {
         (self.words as usize).max(array)
     }
 
-    /// Brings what a host gives to the nearest numbers of binary16, where memory holds such.
+    /// Brings what a host gives to the nearest numbers of binary16, and to the low bits of whole numbers, where memory
+    /// holds such.
     pub(super) fn narrow(&self, words: &mut [u32]) {
         let end = words.len() as u32;
         let mut each = |leaf: &Leaf, at: u32| {
-            if let Some(word) = words.get_mut((at + leaf.offset) as usize).filter(|_| leaf.half) {
-                *word = halved(f32::from_bits(*word)).to_bits();
+            if let Some(word) = words.get_mut((at + leaf.offset) as usize).filter(|_| leaf.short) {
+                *word = match leaf.scalar {
+                    Scalar::F32 => halved(f32::from_bits(*word)).to_bits(),
+                    Scalar::I32 => i32::from(*word as i16).cast_unsigned(),
+                    Scalar::U32 | Scalar::Bool => *word & 0xffff,
+                };
             }
         };
         self.fixed.iter().for_each(|leaf| each(leaf, 0));
-        if let Some(array) = self.array.as_ref().filter(|array| array.leaves.iter().any(|leaf| leaf.half)) {
+        if let Some(array) = self.array.as_ref().filter(|array| array.leaves.iter().any(|leaf| leaf.short)) {
             (array.offset..end).step_by(array.stride as usize).for_each(|at| {
                 array.leaves.iter().for_each(|leaf| each(leaf, at));
             });
