@@ -58,6 +58,51 @@ fn products_of_halves_are_judged_against_real_numbers() {
     }
 }
 
+/// The same in GLSL: a sum that leaves binary16 is told, and one with a `float` for the sum is not.
+#[test]
+fn sums_of_halves_in_glsl_are_judged_against_real_numbers() {
+    let kernel = |ty: &str| {
+        format!(
+            "#version 450
+#extension GL_EXT_shader_16bit_storage : require
+#extension GL_EXT_shader_explicit_arithmetic_types_float16 : require
+layout(local_size_x = 32) in;
+layout(std430, binding = 0) readonly buffer Rows {{ float16_t rows[]; }};
+layout(std430, binding = 1) writeonly buffer Sums {{ float sums[]; }};
+void main() {{
+    uint id = gl_GlobalInvocationID.x;
+    if (id >= sums.length()) {{ return; }}
+    uint n = rows.length() / sums.length();
+    {ty} sum = {ty}(0.0);
+    for (uint k = 0u; k < n; k++) {{ sum += {ty}(rows[id * n + k]); }}
+    sums[id] = float(sum);
+}}
+"
+        )
+    };
+    let suite = |range: &str| {
+        format!(
+            "suite = \"sums\"\nshader = \"sums.comp\"\nstage = \"compute\"\nsamples = 8\n\
+             reference = {{ file = \"reference.comp\", groups = \"(ROWS + 31) / 32\" }}\n[dispatch]\n\
+             groups = \"(ROWS + 31) / 32\"\nlengths = {{ rows = \"ROWS * N\", sums = \"ROWS\" }}\n\
+             sizes = {{ ROWS = [3], N = [8] }}\n[[inputs]]\nnames = [\"rows\"]\ngenerator = \"array\"\nrange = {range}\n"
+        )
+    };
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("reference.comp"), kernel("float")).unwrap();
+    // 8 numbers above 10,000 do not fit 65504.
+    for (ty, range, status) in
+        [("float16_t", "[10000.0, 20000.0]", 1), ("float", "[10000.0, 20000.0]", 0), ("float16_t", "[0.5, 1.0]", 0)]
+    {
+        fs::write(folder.path().join("sums.comp"), kernel(ty)).unwrap();
+        fs::write(folder.path().join("sums.suite.toml"), suite(range)).unwrap();
+        let ran = run_in(folder.path(), "check sums.suite.toml --lane embedded").expect(status);
+        assert!(ran.out.contains("embedded"), "{}", ran.out);
+        // Nothing is judged where the sum may be infinite on a device, which fails as well.
+        assert_eq!(ran.out.contains("ill-conditioned"), status == 1, "{ty} {range}\n{}", ran.out);
+    }
+}
+
 /// Bounds hold for a device that rounds to either neighbour and takes small numbers for 0.
 #[test]
 fn a_device_that_errs_as_far_as_it_may_is_not_accused() {

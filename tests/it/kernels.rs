@@ -29,7 +29,7 @@ fn told(report: &Value) -> Vec<(String, String, u64)> {
 }
 
 /// The wrong twins: the fault that each has, whether it fails the run, and a line that is named.
-const WRONG: [(&str, &str, bool, u64); 31] = [
+const WRONG: [(&str, &str, bool, u64); 34] = [
     // A barrier that is missing behind a step of the sum.
     ("sum.wgsl", "race", true, 21),
     // Elements behind the last one are not filled.
@@ -68,6 +68,11 @@ const WRONG: [(&str, &str, bool, u64); 31] = [
     ("subgroup_sum.wgsl", "subgroup_width", true, 19),
     // Who has no element leaves before the others of the subgroup are asked.
     ("subgroup_tail.wgsl", "divergence", true, 13),
+    ("subgroup_reduce.comp", "subgroup_width", true, 15),
+    // A fence without a barrier.
+    ("subgroup_exchange.comp", "race", true, 18),
+    // Two bytes are taken for four.
+    ("half_stride.comp", "index", true, 15),
     // An image is written while others still read it.
     ("image_blur.wgsl", "race", true, 13),
     // No barrier between the row of an image in the memory of the workgroup and who reads it.
