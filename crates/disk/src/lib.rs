@@ -3,6 +3,7 @@
 
 pub mod elsewhere;
 pub mod fresh;
+mod hosts;
 mod includes;
 mod modules;
 mod problem;
@@ -10,6 +11,7 @@ mod source;
 pub mod table;
 
 pub use elsewhere::plain;
+pub use hosts::{Budget, hosts_around};
 pub use includes::included;
 pub use modules::{ComposeError, Modules, ancestors};
 pub use problem::Problem;

@@ -8,6 +8,7 @@ mod composed;
 mod conditions;
 mod config;
 mod context;
+mod defined;
 mod dialect;
 mod document;
 mod embedded;
@@ -37,6 +38,7 @@ mod wgsl;
 
 pub use composed::{Composed, Composer};
 pub use config::{Config, ProgramEntry, Range, Wrapped, Wrapper};
+pub use defined::{COMMAND_EXTENSIONS, COMMAND_FILES, HostMacro, HostMacros, host_macros};
 pub use document::{DOCUMENT_EXTENSIONS, Printed, is_document, printed_shaders};
 pub use host::stage_of_file;
 pub use linked::{HostName, Linked, linked};

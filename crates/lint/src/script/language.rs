@@ -46,7 +46,13 @@ pub enum Language {
     Kotlin,
     /// Rust.
     Rust,
+    /// C, C++, and what writes strings as they do. Shaders in these are read by the syntax tree of C++.
+    C,
 }
+
+/// Endings of languages that write strings as C does.
+const LIKE_C: &[&str] =
+    &["c", "cc", "cpp", "cxx", "h", "hh", "hpp", "hxx", "inl", "m", "mm", "cs", "go", "swift", "zig", "d", "cu"];
 
 impl Language {
     /// The language that a file's name says.
@@ -59,6 +65,12 @@ impl Language {
             "rs" => Self::Rust,
             _ => return None,
         })
+    }
+
+    /// C, for a file whose name says a language that writes strings in the same way.
+    pub fn like_c(name: &str) -> Option<Self> {
+        let ending = name.rsplit_once('.')?.1.to_ascii_lowercase();
+        LIKE_C.contains(&ending.as_str()).then_some(Self::C)
     }
 
     /// What begins a comment that ends with the line.
@@ -83,10 +95,12 @@ impl Language {
             Self::Kotlin if rest.starts_with(TRIPLE) => {
                 Some(Opening { length: 3, close: TRIPLE, form: Form::RawTemplate })
             }
-            Self::Java | Self::Kotlin if rest.starts_with('\'') => {
+            Self::C if !in_word && rest.starts_with("R\"") => raw_of_c(rest),
+            Self::C if rest.starts_with('`') => Some(Opening { length: 1, close: "`", form: Form::Raw }),
+            Self::Java | Self::Kotlin | Self::C if rest.starts_with('\'') => {
                 Some(Opening { length: 1, close: "'", form: Form::Character })
             }
-            Self::Java | Self::Kotlin => quoted(rest, &["\""]),
+            Self::Java | Self::Kotlin | Self::C => quoted(rest, &["\""]),
         }
     }
 }
@@ -96,6 +110,15 @@ const TRIPLE: &str = "\"\"\"";
 fn quoted<'t>(rest: &'t str, marks: &[&str]) -> Option<Opening<'t>> {
     let mark = rest.get(..1).filter(|mark| marks.contains(mark))?;
     Some(Opening { length: 1, close: mark, form: Form::Line })
+}
+
+/// `R"tag(…)tag"`
+fn raw_of_c(rest: &str) -> Option<Opening<'_>> {
+    let open = rest.find('(').filter(|open| *open <= 18)?;
+    let tag = &rest[2..open];
+    let mut ends = rest.match_indices(')').map(|(at, _)| &rest[at..]);
+    let end = ends.find(|end| end[1..].strip_prefix(tag).is_some_and(|end| end.starts_with('"')))?;
+    Some(Opening { length: open + 1, close: &end[..tag.len() + 2], form: Form::Raw })
 }
 
 fn python(rest: &str, in_word: bool) -> Option<Opening<'_>> {

@@ -7,6 +7,7 @@
 mod code;
 #[cfg(test)]
 mod feed_tests;
+mod host_text;
 mod language;
 mod lookup;
 mod program;
@@ -26,6 +27,7 @@ use code::Code;
 use program::Programs;
 use strings::Text;
 
+pub use host_text::{HostText, host_texts};
 use language::Language;
 pub use language::SCRIPT_EXTENSIONS;
 pub use lookup::Field;

@@ -178,11 +178,16 @@ impl Preprocessor<'_> {
         self.macros.insert(name.to_owned(), Macro { params: None, body, definition: None });
     }
 
-    /// A macro from outside.
+    /// A macro from outside: `WIDTH`, or `load(buffer,at)` with parameters.
     fn given(&mut self, name: &str, value: &str) {
         let spelled = |piece: &Piece| (piece.lex, Spelling::Made(value[piece.span.range()].into()));
         let body = super::lexer::lex(value).pieces.iter().map(spelled).collect();
-        self.macros.insert(name.to_owned(), Macro { params: None, body, definition: None });
+        let (name, params) = match name.strip_suffix(')').and_then(|name| name.split_once('(')) {
+            Some((name, "")) => (name, Some(Vec::new())),
+            Some((name, params)) => (name, Some(params.split(',').map(|param| param.trim().to_owned()).collect())),
+            None => (name, None),
+        };
+        self.macros.insert(name.to_owned(), Macro { params, body, definition: None });
     }
 
     /// Macros that depend on the version.
