@@ -13,6 +13,7 @@ use super::bar::Bar;
 use super::check::Format;
 use super::check::shell_word;
 use super::compose::ComposeArgs;
+use super::hosts::Hosts;
 use super::includes::{self, IncludedText};
 use super::inputs::InputArgs;
 use crate::cli::shard::ShardArgs;
@@ -119,6 +120,7 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     let stated = args.input.domains()?;
     let stage = args.input.stage();
     let reading = args.input.reading(Some(&args.compose), args.function.first().map(String::as_str));
+    let mut hosts = Hosts::default();
     let sources: Vec<IncludedText> = args
         .files
         .iter()
@@ -126,7 +128,8 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
         .collect::<anyhow::Result<Vec<_>>>()?
         .into_iter()
         .flatten()
-        .map(|source| source.with_prelude(super::prelude(args.prelude.as_deref())).assuming(&args.input.define))
+        .map(|source| source.with_prelude(super::prelude(args.prelude.as_deref())))
+        .map(|source| source.assuming(&args.input.define, &mut hosts))
         .collect();
     let printed = sources.iter().find(|s| s.printed);
     if let Some(printed) = printed.filter(|_| args.write_suite) {

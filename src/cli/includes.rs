@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use super::compose::Given;
+use super::hosts::Hosts;
 use base::diagnostic::{Diagnostic, Severity};
 use base::text::{Assembly, Shown as _, SourceFile, Span};
 use compose::LeftOut;
-use engine::fuzz::Assumed;
+use engine::fuzz::{Completed, macro_name};
 use engine::suite::{Includes, Joined, read_module};
 use program::{ModuleText, ProgramError, Written};
 use syntax::{Parsed, Shader, Stage};
@@ -29,8 +30,8 @@ pub struct IncludedText {
     includes: Includes,
     /// What it was put together from, in WGSL.
     joined: Option<Joined>,
-    /// Macros that a build may give, and that nothing in it defines.
-    assumed: Assumed,
+    /// What stands for macros that a build may give, and that nothing in it defines.
+    completed: Completed,
     /// What to tell of a version that it does not name.
     version: Option<String>,
 }
@@ -66,7 +67,7 @@ pub fn with_includes(file: &SourceFile, path: &Path, given: &Given<'_>) -> anyho
         file: whole,
         includes,
         joined,
-        assumed: Assumed::new(),
+        completed: Completed::default(),
         version: None,
     })
 }
@@ -99,7 +100,7 @@ pub fn read_all(path: &Path, given: &Given<'_>, stage: Option<Stage>) -> anyhow:
             printed: true,
             includes,
             joined: None,
-            assumed: Assumed::new(),
+            completed: Completed::default(),
             version: None,
         })
     };
@@ -111,7 +112,7 @@ impl IncludedText {
     /// into say: the newest version is taken, unless only the oldest has what it uses. A stage that names none and states
     /// precisions is GLSL ES 1.00, as browsers take it; a compute shader is of the first version that has what it uses.
     pub fn parsed(&self, defines: &[(String, String)]) -> Parsed {
-        let all: Vec<(String, String)> = defines.iter().chain(&self.assumed).cloned().collect();
+        let all: Vec<(String, String)> = defines.iter().cloned().chain(self.completed.macros()).collect();
         let defines = &all[..];
         let parsed = Shader::parse_with(&self.file, self.stage, defines);
         let errors = |p: &Parsed| p.diagnostics.iter().filter(|d| d.severity == Severity::Error).count();
@@ -187,29 +188,36 @@ impl IncludedText {
         self.joined.as_ref().map_or_else(|| defines.to_vec(), |joined| joined.values(text, defines))
     }
 
-    /// The same, where macros that a build or a host may give stand for something plain, if the text holds no errors then.
-    /// What is assumed is among the [notes](Self::notes).
+    /// The same, where macros that a build or a host may give stand for what host code of the project says, or else for
+    /// something plain, if the text holds no errors then. What is taken and assumed is among the [notes](Self::notes).
     #[must_use]
-    pub fn assuming(self, defines: &[(String, String)]) -> Self {
+    pub fn assuming(self, defines: &[(String, String)], hosts: &mut Hosts) -> Self {
         if Written::of(&self.file) != Written::Glsl {
             return self;
         }
         let with = |more: &[(String, String)]| self.parsed(&[defines, more].concat());
-        let assumed = engine::fuzz::assumed(&with).unwrap_or_default();
+        let stated = |name: &str| defines.iter().any(|(known, _)| macro_name(known) == macro_name(name));
+        let mut offers = |names: &[String]| {
+            let offers = hosts.offers(&self.path, names);
+            offers.into_iter().filter(|offer| !stated(&offer.name)).collect::<Vec<_>>()
+        };
+        let completed = engine::fuzz::completed(&with, &mut offers).unwrap_or_default();
         let version = self.assumed_version(defines);
-        Self { assumed, version, ..self }
+        Self { completed, version, ..self }
     }
 
     /// Macros that are assumed.
     pub fn assumed(&self) -> &[(String, String)] {
-        &self.assumed
+        &self.completed.assumed
     }
 
     /// What is worth knowing about where parts of the text come from, and about what is assumed.
     pub fn notes(&self) -> Vec<String> {
         let joined = self.joined.as_ref().map(Joined::notes).unwrap_or_default();
-        let assumed = (!self.assumed.is_empty()).then(|| engine::fuzz::assumption_note(&self.assumed));
-        joined.into_iter().chain(assumed).chain(self.version.clone()).collect()
+        let Completed { assumed, taken } = &self.completed;
+        let assumed = (!assumed.is_empty()).then(|| engine::fuzz::assumption_note(assumed));
+        let taken = engine::fuzz::taken_notes(taken);
+        joined.into_iter().chain(taken).chain(assumed).chain(self.version.clone()).collect()
     }
 
     /// A diagnostic with what is known about includes that were not found.

@@ -19,6 +19,8 @@ pub mod explain;
 #[cfg(feature = "run")]
 pub mod fuzz;
 #[cfg(feature = "run")]
+mod hosts;
+#[cfg(feature = "run")]
 pub mod improve;
 #[cfg(feature = "run")]
 mod includes;

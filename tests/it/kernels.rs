@@ -268,6 +268,43 @@ fn macros_of_a_build_are_assumed_and_told() {
     run(&right.replacen("part[k] = float(a", "part[k] = float(aa", 1), "").expect(1);
 }
 
+/// A kernel whose host puts macros in front of it, in files as an engine has them.
+const HOSTED: &str = "#version 450\nlayout(local_size_x = 64) in;\nlayout(binding = 0) buffer A { real4 a[]; };\n\
+    layout(push_constant) uniform P { uint n; } p;\nvoid main() {\n  uint k = gl_GlobalInvocationID.x;\n\
+    if (k >= given(n)) return;\n  store4(a, k, load4(a, k) * real(2.0));\n}\n";
+
+const HOST: &str = "void macros(Defines& defines, bool packed) {\n  // macros of all shaders\n  if (packed) {\n\
+    defines.append(\"real4\", \"uvec2\");\n  } else {\n    defines.append(\"real4\", \"vec4\");\n  }\n\
+    defines.append(\"real\", \"float\");\n  defines.append(\"given(x)\", \"(p.x)\");\n\
+    defines.append(\"load4(buf,i)\", \"buf[i]\");\n  defines.append(\"store4(buf,i,v)\", \"{buf[i]=v;}\");\n}\n";
+
+#[test]
+fn macros_of_host_code_in_the_project_are_taken_and_told() {
+    let run = |kernel: &str, host: Option<&str>, arguments: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir_all(folder.path().join("src/shaders")).unwrap();
+        fs::create_dir(folder.path().join(".git")).unwrap();
+        fs::write(folder.path().join("src/shaders/twice.comp"), kernel).unwrap();
+        if let Some(host) = host {
+            fs::write(folder.path().join("src/gpu.cpp"), host).unwrap();
+        }
+        run_in(folder.path(), &format!("fuzz src/shaders/twice.comp --lane embedded --samples 16 {arguments}"))
+    };
+    let ran = run(HOSTED, Some(HOST), "").expect(0);
+    assert!(ran.err.contains("taken from") && ran.err.contains("gpu.cpp") && ran.err.contains("`real4`"), "{ran:?}");
+    assert!(!ran.err.contains("assumed"), "{ran:?}");
+    // Nothing is invented for functions of which no host code speaks.
+    run(HOSTED, None, "").expect(1);
+    // A fault of the kernel is one whatever the macros are called.
+    let wrong = HOSTED.replace("k >= given(n)", "k > given(n)");
+    let ran = run(&wrong, Some(HOST), "").expect(1);
+    assert!(ran.out.contains("index"), "{ran:?}");
+    // What is stated goes before what host code says.
+    let stated = "--define load4(buf,i)=vec4(0.0,0.0,buf[i].xy)";
+    let ran = run(HOSTED, Some(&HOST.replace("load4(buf,i)", "other(buf,i)")), stated).expect(0);
+    assert!(ran.err.contains("taken from"), "{ran:?}");
+}
+
 #[test]
 fn suites_of_kernels_find_each_wrong_twin() {
     for (twin, suite, reported) in TWINS {

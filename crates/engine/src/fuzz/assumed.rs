@@ -20,21 +20,99 @@ const ROUNDS: usize = 6;
 /// Names that are assumed at most.
 const MOST: usize = 16;
 
+/// Names that are taken from host code at most.
+const MOST_TAKEN: usize = 128;
+
+/// Values of a name, and builds of a shader, that are tried at most.
+const MOST_OPTIONS: usize = 12;
+
+/// Times that every choice is gone through.
+const PASSES: usize = 2;
+
 /// What a type may stand for, the plainest first.
 const TYPES: [&str; 5] = ["float", "vec4", "uint", "int", "ivec4"];
 
 /// What a number may stand for: a size that is none of the first sizes of buffers, and the least.
 const VALUES: [&str; 3] = ["32", "1", "4"];
 
-/// What is assumed of a text that `parse` reads with more macros; none where nothing is lacking, or it has errors whatever is
-/// assumed.
-pub fn assumed(parse: &Parse<'_>) -> Option<Assumed> {
-    let mut all = names(parse).unwrap_or_default();
-    let parsed = parse(&all);
-    if errors(&parsed) == 0 && has_bytes_in_buffers(&parsed) {
-        all.push((WIDE_BYTES.to_owned(), "1".to_owned()));
+/// A macro that host code of the same project defines.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Offer {
+    /// Its name, with its parameters where it has some: `load(buffer,at)`.
+    pub name: String,
+    /// What it stands for.
+    pub value: String,
+    /// The file that says so.
+    pub file: String,
+    /// The line there, from 1.
+    pub line: usize,
+    /// The number of the statement in this file: those of one statement belong to one build.
+    pub statement: usize,
+    /// True where the statement names the shader.
+    pub named: bool,
+}
+
+/// What host code of the project says of names, the nearest file first, and of the builds that name the shader.
+pub type Offers<'o> = dyn FnMut(&[String]) -> Vec<Offer> + 'o;
+
+/// What stands for names that nothing in a text defines.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Completed {
+    /// What is assumed.
+    pub assumed: Assumed,
+    /// What host code defines.
+    pub taken: Vec<Offer>,
+}
+
+impl Completed {
+    /// All macros.
+    pub fn macros(&self) -> Assumed {
+        let taken = self.taken.iter().map(|offer| (offer.name.clone(), offer.value.clone()));
+        taken.chain(self.assumed.iter().cloned()).collect()
     }
-    (!all.is_empty()).then_some(all)
+}
+
+/// A name and what it may stand for.
+struct Choice {
+    name: String,
+    options: Vec<Meaning>,
+    at: usize,
+}
+
+/// What a name may stand for.
+enum Meaning {
+    Assumed(String),
+    Taken(Offer),
+}
+
+impl Choice {
+    fn value(&self) -> (String, String) {
+        match &self.options[self.at] {
+            Meaning::Assumed(value) => (self.name.clone(), value.clone()),
+            Meaning::Taken(offer) => (offer.name.clone(), offer.value.clone()),
+        }
+    }
+
+    fn is_taken(&self) -> bool {
+        matches!(self.options[self.at], Meaning::Taken(_))
+    }
+}
+
+/// The name of a macro without its parameters.
+pub fn macro_name(heading: &str) -> &str {
+    heading.split('(').next().unwrap_or(heading)
+}
+
+/// What stands for the names that a text lacks, which `parse` reads with more macros: what host code of the project defines,
+/// or else something plain; and whether numbers of 8 bits in buffers take the place of those of 32. None where nothing is
+/// lacking, or the text has errors whatever is tried.
+pub fn completed(parse: &Parse<'_>, offers: &mut Offers<'_>) -> Option<Completed> {
+    let mut all = names(parse, offers).unwrap_or_default();
+    let parsed = parse(&all.macros());
+    if errors(&parsed) == 0 && has_bytes_in_buffers(&parsed) {
+        all.assumed.push((WIDE_BYTES.to_owned(), "1".to_owned()));
+    }
+    (!all.assumed.is_empty() || !all.taken.is_empty()).then_some(all)
 }
 
 /// True when numbers of 8 bits lie in buffers.
@@ -46,53 +124,158 @@ fn has_bytes_in_buffers(parsed: &Parsed) -> bool {
     })
 }
 
-/// What is assumed of names.
-fn names(parse: &Parse<'_>) -> Option<Assumed> {
+/// What stands for names that a text lacks.
+fn names(parse: &Parse<'_>, offers: &mut Offers<'_>) -> Option<Completed> {
     let mut parsed = parse(&[]);
     // A version that stands elsewhere, or another language, is more than a macro.
     if parsed.shader.lacking().is_empty() || parsed.shader.wgsl().is_some() {
         return None;
     }
-    let mut all = Assumed::new();
-    let mut kinds = Vec::new();
-    for _ in 0..ROUNDS {
-        let fresh: Vec<(String, Lacks)> = parsed.shader.lacking().to_vec();
+    let mut choices: Vec<Choice> = Vec::new();
+    let mut unknown: Vec<String> = Vec::new();
+    for round in 0..ROUNDS {
+        let is_new =
+            |name: &str| !unknown.iter().any(|known| known == name) && choices.iter().all(|choice| choice.name != name);
+        let fresh: Vec<(String, Lacks)> =
+            parsed.shader.lacking().iter().filter(|(name, _)| is_new(name)).cloned().collect();
         if fresh.is_empty() {
             break;
         }
-        for (name, what) in fresh {
-            let known = all.iter().any(|(known, _)| *known == name);
-            if known || all.len() == MOST || !may_be_given(&parsed, &name, what) {
-                return None;
+        let names: Vec<String> = fresh.iter().map(|(name, _)| name.clone()).collect();
+        let offered = offers(&names);
+        if round == 0 {
+            choices = build(parse, &names, &offered);
+            if !choices.is_empty() {
+                // Its switches may turn off what is lacking.
+                parsed = parse(&values(&choices));
+                continue;
             }
-            let sized = of_32_bits(&name);
-            // What a type is that says its size, nothing else may be.
-            let others: &[&str] = match what {
-                _ if sized.is_some() => &[],
-                Lacks::Type | Lacks::Function => &TYPES,
-                Lacks::Value => &VALUES,
-            };
-            all.push((name.clone(), sized.unwrap_or_else(|| plainest(&name, what))));
-            kinds.push(others);
         }
-        parsed = parse(&all);
+        for (name, what) in fresh {
+            if choices.iter().any(|choice| choice.name == name) {
+                continue;
+            }
+            let options = match taken(&name, &offered) {
+                none if none.is_empty() && may_be_given(&parsed, &name, what) => plain_options(&name, what),
+                taken => taken,
+            };
+            let of_kind = options.first().map(|option| matches!(option, Meaning::Taken(_)));
+            match of_kind {
+                None => unknown.push(name),
+                Some(is_taken) => {
+                    let most = if is_taken { MOST_TAKEN } else { MOST };
+                    if choices.iter().filter(|choice| choice.is_taken() == is_taken).count() == most {
+                        return None;
+                    }
+                    choices.push(Choice { name, options, at: 0 });
+                }
+            }
+        }
+        parsed = parse(&values(&choices));
+        // What host code offers for one name may ask for others: the choice comes before what is lacking then.
+        if choices.iter().any(|choice| choice.is_taken() && choice.options.len() > 1) && errors(&parsed) > 0 {
+            improve(parse, &mut choices, errors(&parsed), &Choice::is_taken);
+            parsed = parse(&values(&choices));
+        }
     }
     let mut left = errors(&parsed);
-    for (k, others) in kinds.into_iter().enumerate() {
-        for other in others {
+    for _ in 0..PASSES {
+        left = improve(parse, &mut choices, left, &|_| true);
+    }
+    if left > 0 {
+        return None;
+    }
+    let mut found = Completed::default();
+    for Choice { name, mut options, at } in choices {
+        match options.swap_remove(at) {
+            Meaning::Assumed(value) => found.assumed.push((name, value)),
+            Meaning::Taken(offer) => found.taken.push(offer),
+        }
+    }
+    Some(found)
+}
+
+fn values(choices: &[Choice]) -> Assumed {
+    choices.iter().map(Choice::value).collect()
+}
+
+/// Tries other options one by one, and keeps those that leave fewer errors. Gives the errors that are left.
+fn improve(parse: &Parse<'_>, choices: &mut [Choice], mut left: usize, which: &dyn Fn(&Choice) -> bool) -> usize {
+    for k in 0..choices.len() {
+        if !which(&choices[k]) {
+            continue;
+        }
+        for other in 0..choices[k].options.len() {
             if left == 0 {
-                break;
+                return 0;
             }
-            let before = std::mem::replace(&mut all[k].1, (*other).to_owned());
-            let now = errors(&parse(&all));
+            let before = std::mem::replace(&mut choices[k].at, other);
+            let now = if other == before { left } else { errors(&parse(&values(choices))) };
             if now < left {
                 left = now;
             } else {
-                all[k].1 = before;
+                choices[k].at = before;
             }
         }
     }
-    (left == 0).then_some(all)
+    left
+}
+
+/// What host code says of a name, each value once.
+fn taken(name: &str, offered: &[Offer]) -> Vec<Meaning> {
+    let mut found: Vec<&Offer> = Vec::new();
+    for offer in offered.iter().filter(|offer| macro_name(&offer.name) == name) {
+        let known = found.iter().any(|known| known.name == offer.name && known.value == offer.value);
+        // A name that stands for itself says nothing.
+        if !known && offer.value != name && found.len() < MOST_OPTIONS {
+            found.push(offer);
+        }
+    }
+    found.into_iter().cloned().map(Meaning::Taken).collect()
+}
+
+/// The macros of the build that names the shader and defines most of what it lacks; of several, that with the fewest errors.
+fn build(parse: &Parse<'_>, lacking: &[String], offered: &[Offer]) -> Vec<Choice> {
+    let mut builds: Vec<Vec<&Offer>> = Vec::new();
+    for offer in offered.iter().filter(|offer| offer.named) {
+        let same = |build: &&mut Vec<&Offer>| build[0].file == offer.file && build[0].statement == offer.statement;
+        match builds.iter_mut().find(same) {
+            Some(build) if build.iter().any(|known| macro_name(&known.name) == macro_name(&offer.name)) => {}
+            Some(build) => build.push(offer),
+            None => builds.push(vec![offer]),
+        }
+    }
+    let defines = |build: &[&Offer]| {
+        lacking.iter().filter(|name| build.iter().any(|offer| macro_name(&offer.name) == name.as_str())).count()
+    };
+    let most = builds.iter().map(|build| defines(build)).max().unwrap_or(0);
+    builds.retain(|build| most > 0 && defines(build) == most);
+    builds.truncate(MOST_OPTIONS);
+    let choices = |build: &[&Offer]| -> Vec<Choice> {
+        let choice = |offer: &&Offer| Choice {
+            name: macro_name(&offer.name).to_owned(),
+            options: vec![Meaning::Taken((*offer).clone())],
+            at: 0,
+        };
+        build.iter().map(choice).collect()
+    };
+    let errors_with = |build: &&Vec<&Offer>| errors(&parse(&values(&choices(build))));
+    builds.iter().min_by_key(errors_with).map(|build| choices(build)).unwrap_or_default()
+}
+
+/// What a name may stand for that no host code says anything of, the plainest first.
+fn plain_options(name: &str, what: Lacks) -> Vec<Meaning> {
+    // What a type is that says its size, nothing else may be.
+    if let Some(sized) = of_32_bits(name) {
+        return vec![Meaning::Assumed(sized)];
+    }
+    let others: &[&str] = match what {
+        Lacks::Type | Lacks::Function => &TYPES,
+        Lacks::Value => &VALUES,
+    };
+    let first = plainest(name, what);
+    let others = others.iter().filter(|other| **other != first).map(|other| (*other).to_owned());
+    std::iter::once(first.clone()).chain(others).map(Meaning::Assumed).collect()
 }
 
 /// Errors of a text, and names that it lacks.
@@ -162,6 +345,29 @@ pub fn assumption_note(assumed: &[(String, String)]) -> String {
     told.join("; ")
 }
 
+/// Names of a file that are told at most.
+const MOST_TOLD: usize = 4;
+
+/// What to tell of what is taken from host code: for each file, the names and their lines.
+pub fn taken_notes(taken: &[Offer]) -> Vec<String> {
+    let mut files: Vec<&str> = Vec::new();
+    for offer in taken {
+        if !files.contains(&&*offer.file) {
+            files.push(&offer.file);
+        }
+    }
+    let about = |file: &str| {
+        let own: Vec<&Offer> = taken.iter().filter(|offer| offer.file == file).collect();
+        let (first, more) = own.split_at(own.len().min(MOST_TOLD));
+        let told: Vec<String> = first.iter().map(|offer| format!("`{}` at line {}", offer.name, offer.line)).collect();
+        let more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };
+        let what =
+            if own.len() == 1 { "a name that nothing defines here is" } else { "names that nothing defines here are" };
+        format!("{what} taken from {file}: {}{more}; state others by --define", told.join(", "))
+    };
+    files.into_iter().map(about).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -170,7 +376,8 @@ mod tests {
 
     fn of(text: &str) -> Option<Assumed> {
         let file = SourceFile::new("k.comp", format!("#version 450\n{text}"));
-        assumed(&|defines| Shader::parse_with(&file, Stage::Compute, defines))
+        let found = completed(&|defines| Shader::parse_with(&file, Stage::Compute, defines), &mut |_| Vec::new());
+        found.map(|found| found.assumed)
     }
 
     fn pairs(of: &[(&str, &str)]) -> Option<Assumed> {
@@ -201,6 +408,61 @@ mod tests {
             assert_eq!(of_32_bits(name), None, "{name}");
         }
         assert_eq!(of(&text.replace("uint8_t", "uint64_t")), None, "no type of 32 bits holds that");
+    }
+
+    fn offer(name: &str, value: &str, statement: usize, named: bool) -> Offer {
+        let (name, value, file) = (name.to_owned(), value.to_owned(), "host.cpp".to_owned());
+        Offer { name, value, file, line: statement + 1, statement, named }
+    }
+
+    fn with(text: &str, all: &[Offer]) -> Option<Completed> {
+        let file = SourceFile::new("k.comp", format!("#version 450\n{text}"));
+        completed(&|defines| Shader::parse_with(&file, Stage::Compute, defines), &mut |names| {
+            let about = |offer: &&Offer| offer.named || names.iter().any(|name| macro_name(&offer.name) == name);
+            all.iter().filter(about).cloned().collect()
+        })
+    }
+
+    #[test]
+    fn functions_of_several_arguments_are_taken_from_host_code() {
+        let text = "layout(local_size_x = 8) in;\nlayout(binding = 0) buffer B { real4 x[]; };\n\
+                    void main() { uint i = gl_GlobalInvocationID.x; store(x, i, load(x, i) * SCALE); }\n";
+        assert_eq!(with(text, &[]), None);
+        // The last of several is tried first, and what it needs itself is taken as well.
+        let offers = [
+            offer("real4", "vec4", 3, false),
+            offer("real4", "uvec2", 1, false),
+            offer("load(b,i)", "widened(b[i])", 4, false),
+            offer("load(b,i)", "vec4(b[i].x)", 2, false),
+            offer("store(b,i,v)", "{b[i]=v;}", 5, false),
+            offer("widened(v)", "vec4(v)", 6, false),
+        ];
+        let found = with(text, &offers).unwrap();
+        let mut names: Vec<&str> = found.taken.iter().map(|offer| &*offer.name).collect();
+        names.sort_unstable();
+        assert_eq!(names, ["load(b,i)", "real4", "store(b,i,v)", "widened(v)"]);
+        assert_eq!(found.assumed, pairs(&[("SCALE", "32")]).unwrap());
+        let told = taken_notes(&found.taken);
+        assert!(told[0].contains("`real4` at line 4") && told[0].contains("host.cpp"), "{told:?}");
+        // Where the first value does not fit, others are tried.
+        let swapped: Vec<Offer> = [1, 0, 3, 2, 4, 5].map(|k| offers[k].clone()).to_vec();
+        let found = with(text, &swapped).unwrap();
+        assert!(found.taken.iter().any(|offer| offer.name == "real4" && offer.value == "vec4"), "{found:?}");
+    }
+
+    #[test]
+    fn a_build_that_names_the_shader_is_taken_as_a_whole() {
+        let text = "layout(local_size_x = 8) in;\nlayout(binding = 0) buffer B { TYPE x[]; };\n\
+                    void main() { uint i = gl_GlobalInvocationID.x;\n#ifdef WIDE\nx[i].xy = x[i].yx;\n#else\n\
+                    x[i].w = LIMIT;\n#endif\n}\n";
+        let offers = [
+            offer("TYPE", "float", 0, false),
+            offer("TYPE", "vec2", 1, true),
+            offer("WIDE", "1", 1, true),
+            offer("OTHER", "1", 2, true),
+        ];
+        let found = with(text, &offers).unwrap();
+        assert_eq!(found.macros(), pairs(&[("TYPE", "vec2"), ("WIDE", "1")]).unwrap());
     }
 
     #[test]

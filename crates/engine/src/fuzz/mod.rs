@@ -27,7 +27,7 @@ mod subject;
 mod words;
 mod wrapper;
 
-pub use assumed::{Assumed, assumed, assumption_note};
+pub use assumed::{Assumed, Completed, Offer, assumption_note, completed, macro_name, taken_notes};
 pub use domain::{Domain, InputDomain, Interval, Law, MODERATE, Shrinking, Stated, Within};
 pub use finding::{Finding, FunctionReport, FuzzFindingKind, LaneReport, Part, Severity, WORKGROUPS};
 pub use generate::batch;

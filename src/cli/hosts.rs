@@ -1,0 +1,75 @@
+//! What host code of a project defines for its shaders, for commands that run them.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use base::text::SourceFile;
+use disk::{Budget, hosts_around};
+use engine::fuzz::{Offer, macro_name};
+use lint::HostMacros;
+
+/// Words of which a file that builds shaders says at least one.
+const TELLING: [&str; 8] = ["shader", "Shader", "SHADER", "glsl", "GLSL", "wgsl", "spv", "SPIR"];
+
+/// Host code that was read. Each file is read once for a command.
+#[derive(Default)]
+pub struct Hosts {
+    budget: Budget,
+    read: HashMap<PathBuf, Option<Arc<Host>>>,
+}
+
+struct Host {
+    file: SourceFile,
+    macros: HostMacros,
+}
+
+impl Hosts {
+    /// What is said about names, the nearest file first and the last of several in a file first; and all of the builds that
+    /// name the shader.
+    pub fn offers(&mut self, shader: &Path, names: &[String]) -> Vec<Offer> {
+        let mut found: Vec<Offer> = Vec::new();
+        let own = shader.to_string_lossy().into_owned();
+        hosts_around(shader, &is_host, &mut |paths| {
+            for path in paths {
+                let Some(host) = self.host(path) else { continue };
+                for one in host.macros.macros.iter().rev() {
+                    let named = host.macros.names(one.statement, &own);
+                    if named || names.iter().any(|name| name == macro_name(&one.name)) {
+                        found.push(Offer {
+                            name: one.name.clone(),
+                            value: one.value.clone(),
+                            file: host.file.name().to_owned(),
+                            line: host.file.position(one.at).line,
+                            statement: one.statement,
+                            named,
+                        });
+                    }
+                }
+            }
+            !names.iter().all(|name| found.iter().any(|offer| macro_name(&offer.name) == name))
+        });
+        found
+    }
+
+    fn host(&mut self, path: &Path) -> Option<Arc<Host>> {
+        if let Some(known) = self.read.get(path) {
+            return known.clone();
+        }
+        let telling = |file: &SourceFile| TELLING.iter().any(|word| file.text().contains(word));
+        let file = self.budget.read(path).filter(telling);
+        let host = file.map(|file| Host { macros: lint::host_macros(&file), file });
+        let host = host.filter(|host| !host.macros.macros.is_empty()).map(Arc::new);
+        self.read.insert(path.to_owned(), host.clone());
+        host
+    }
+}
+
+/// True for a file of host code, or with commands.
+fn is_host(path: &Path) -> bool {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let ending = name.rsplit_once('.').map_or("", |(_, ending)| ending);
+    let code = lint::HOST_EXTENSIONS.iter().chain(lint::SCRIPT_EXTENSIONS).any(|known| *known == ending);
+    let commands = lint::COMMAND_EXTENSIONS.iter().any(|known| *known == ending && ending != "txt");
+    code || commands || lint::COMMAND_FILES.contains(&name.as_str())
+}
