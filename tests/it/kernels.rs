@@ -172,7 +172,7 @@ fn a_race_is_told_with_both_places_and_what_the_host_did() {
         "at         fixtures/kernels/wrong/sum.wgsl:21:30: `part[local.x + half]`",
         "workgroups = 1",
         "elements of `values` = 1",
-        "16 dispatches",
+        "18 dispatches",
     ] {
         assert!(report.out.contains(part), "{part}\n{}", report.out);
     }

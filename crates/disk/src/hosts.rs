@@ -53,12 +53,9 @@ fn below(
             *left -= 1;
             let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
             let hidden = name.starts_with('.') || matches!(name.as_str(), "target" | "node_modules" | "third_party");
+            let seen = |path: &Path| without.is_some_and(|done| path.canonicalize().ok().as_deref() == Some(done));
             match kind {
-                Ok(kind) if kind.is_dir() && !hidden => {
-                    if without.is_none_or(|without| path.canonicalize().ok().as_deref() != Some(without)) {
-                        open.push(path);
-                    }
-                }
+                Ok(kind) if kind.is_dir() && !hidden && !seen(&path) => open.push(path),
                 Ok(kind) if kind.is_file() && wanted(&path) => found.push(path),
                 _ => {}
             }

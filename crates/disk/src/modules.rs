@@ -259,8 +259,9 @@ impl Library for Modules {
         if let Some((package, rest)) = wanted.path.split_once('/').filter(|_| wanted.quoted) {
             let is_package =
                 |folder: &PathBuf| folder.file_name().is_some_and(|name| name.to_string_lossy() == package);
-            let inside = outer.iter().position(is_package).map_or(&[][..], |last| &outer[..last]);
-            candidates.extend(std::iter::once(&own).filter(|_| !inside.is_empty()).chain(inside).map(|f| f.join(rest)));
+            if let Some(last) = outer.iter().position(is_package) {
+                candidates.extend(std::iter::once(&own).chain(&outer[..last]).map(|folder| folder.join(rest)));
+            }
         }
         for path in candidates {
             if refusal(&path, &within).is_none() && path.is_file() {

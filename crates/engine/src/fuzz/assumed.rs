@@ -235,9 +235,11 @@ fn taken(name: &str, offered: &[Offer]) -> Vec<Meaning> {
 }
 
 /// The macros of the build that names the shader and defines most of what it lacks; of several, that with the fewest errors.
+/// A build of all shaders, which names none, is one where it defines several names.
 fn build(parse: &Parse<'_>, lacking: &[String], offered: &[Offer]) -> Vec<Choice> {
+    let named = offered.iter().any(|offer| offer.named);
     let mut builds: Vec<Vec<&Offer>> = Vec::new();
-    for offer in offered.iter().filter(|offer| offer.named) {
+    for offer in offered.iter().filter(|offer| offer.named == named) {
         let same = |build: &&mut Vec<&Offer>| build[0].file == offer.file && build[0].statement == offer.statement;
         match builds.iter_mut().find(same) {
             Some(build) if build.iter().any(|known| macro_name(&known.name) == macro_name(&offer.name)) => {}
@@ -249,7 +251,8 @@ fn build(parse: &Parse<'_>, lacking: &[String], offered: &[Offer]) -> Vec<Choice
         lacking.iter().filter(|name| build.iter().any(|offer| macro_name(&offer.name) == name.as_str())).count()
     };
     let most = builds.iter().map(|build| defines(build)).max().unwrap_or(0);
-    builds.retain(|build| most > 0 && defines(build) == most);
+    let least = if named { 1 } else { 2 };
+    builds.retain(|build| most >= least && defines(build) == most);
     builds.truncate(MOST_OPTIONS);
     let choices = |build: &[&Offer]| -> Vec<Choice> {
         let choice = |offer: &&Offer| Choice {
@@ -428,12 +431,11 @@ mod tests {
         let text = "layout(local_size_x = 8) in;\nlayout(binding = 0) buffer B { real4 x[]; };\n\
                     void main() { uint i = gl_GlobalInvocationID.x; store(x, i, load(x, i) * SCALE); }\n";
         assert_eq!(with(text, &[]), None);
-        // The last of several is tried first, and what it needs itself is taken as well.
+        // What a definition needs itself is taken as well.
         let offers = [
             offer("real4", "vec4", 3, false),
             offer("real4", "uvec2", 1, false),
             offer("load(b,i)", "widened(b[i])", 4, false),
-            offer("load(b,i)", "vec4(b[i].x)", 2, false),
             offer("store(b,i,v)", "{b[i]=v;}", 5, false),
             offer("widened(v)", "vec4(v)", 6, false),
         ];
@@ -445,9 +447,19 @@ mod tests {
         let told = taken_notes(&found.taken);
         assert!(told[0].contains("`real4` at line 4") && told[0].contains("host.cpp"), "{told:?}");
         // Where the first value does not fit, others are tried.
-        let swapped: Vec<Offer> = [1, 0, 3, 2, 4, 5].map(|k| offers[k].clone()).to_vec();
+        let swapped: Vec<Offer> = [1, 0, 2, 3, 4].map(|k| offers[k].clone()).to_vec();
         let found = with(text, &swapped).unwrap();
         assert!(found.taken.iter().any(|offer| offer.name == "real4" && offer.value == "vec4"), "{found:?}");
+    }
+
+    #[test]
+    fn the_values_of_one_command_go_together() {
+        let text = "layout(local_size_x = 8) in;\nlayout(binding = 0) buffer B { TYPE x[]; };\n\
+                    void main() { uint i = gl_GlobalInvocationID.x; WIDE v = x[i]; x[i] = v.yx; }\n";
+        let of = |k: usize, ty: &str, wide: &str| [offer("TYPE", ty, k, false), offer("WIDE", wide, k, false)];
+        let offers = [of(0, "vec2", "vec2"), of(1, "float", "vec4"), of(2, "uint", "uvec2")].concat();
+        let found = with(text, &offers).unwrap();
+        assert_eq!(found.macros(), pairs(&[("TYPE", "vec2"), ("WIDE", "vec2")]).unwrap());
     }
 
     #[test]

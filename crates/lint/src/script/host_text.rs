@@ -58,11 +58,7 @@ pub fn host_texts(file: &SourceFile) -> Option<Vec<HostText>> {
                         open.push(true);
                     }
                     '(' | '[' | '{' => open.push(false),
-                    ')' | ']' | '}' => {
-                        if open.pop() == Some(true) {
-                            statement += 1;
-                        }
-                    }
+                    ')' | ']' | '}' => statement += usize::from(open.pop() == Some(true)),
                     ';' => statement += 1,
                     _ => {}
                 }
