@@ -85,24 +85,12 @@ pub fn read_all(path: &Path, given: &Given<'_>, stage: Option<Stage>) -> anyhow:
     }
     let Some(printed) = super::document::shaders(path)? else { return Ok(vec![read(path, given)?]) };
     let text = |shader: lint::Printed| {
-        let mut includes = Includes::new(given.folders.to_vec(), "`-I FOLDER`");
-        let file = includes.resolve(&shader.file)?;
         let (name, path) = (shader.file.name().to_owned(), path.to_owned());
         // The name of a shader in host code is no path: its line leads to it.
         let is_file = lint::language_of(&path.to_string_lossy()).is_some();
-        let given = if is_file { format!("{}:{}", path.shown(), shader.lines.start() + 1) } else { name.clone() };
-        Ok(IncludedText {
-            name,
-            given,
-            path,
-            file,
-            stage: shader.stage,
-            printed: true,
-            includes,
-            joined: None,
-            completed: Completed::default(),
-            version: None,
-        })
+        let called = if is_file { format!("{}:{}", path.shown(), shader.lines.start() + 1) } else { name.clone() };
+        let whole = with_includes(&shader.file, &path, given)?;
+        Ok(IncludedText { name, given: called, path, stage: shader.stage, printed: true, ..whole })
     };
     printed.into_iter().map(text).collect()
 }

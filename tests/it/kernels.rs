@@ -125,6 +125,24 @@ fn each_wrong_kernel_is_found_by_kind_and_place() {
     }
 }
 
+#[test]
+fn a_module_in_host_code_is_run_as_wgsl() {
+    let kernel = |guard: &str| {
+        format!(
+            "export const source = /* wgsl */ `\n@group(0) @binding(0) var<storage, read_write> x: array<u32>;\n\
+             var<workgroup> part: array<u32, 64>;\n@compute @workgroup_size(64)\nfn turn(@builtin(local_invocation_index) i: u32, \
+             @builtin(global_invocation_id) id: vec3u) {{\n  part[i] = id.x;\n  {guard}\n  \
+             if (id.x < arrayLength(&x)) {{ x[id.x] = part[63u - i]; }}\n}}\n`;\n"
+        )
+    };
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("turn.js"), kernel("")).unwrap();
+    let wrong = run_in(folder.path(), "fuzz turn.js --lane embedded --samples 16").expect(1);
+    assert!(wrong.out.contains("race on `part[") && wrong.out.contains("turn.js:8:"), "{}", wrong.out);
+    fs::write(folder.path().join("turn.js"), kernel("workgroupBarrier();")).unwrap();
+    run_in(folder.path(), "fuzz turn.js --lane embedded --samples 16").expect(0);
+}
+
 /// A block with a counter: its structures are stored and loaded as a whole beside atomic functions on it.
 #[test]
 fn structures_beside_atomics_are_stored_and_loaded() {

@@ -15,7 +15,7 @@ use base::diagnostic::Code;
 use base::text::{SourceFile, Span};
 use syntax::{Stage, errors};
 
-use super::host::{HostFile, Literal, concerns_shaders};
+use super::host::{Embedded, HostFile, Literal, concerns_shaders};
 use super::project::{Language, language_of};
 use super::sections::sections;
 use blocks::Blocks;
@@ -145,7 +145,9 @@ pub fn printed_shaders(file: &SourceFile) -> Vec<Printed> {
             let host =
                 if language == Language::Script { HostFile::script(file, true) } else { HostFile::new(file, true) };
             let whole = host.embedded().iter().filter(|e| !e.partial);
-            whole.map(|e| (e.name.clone(), e.stage, e.literal.clone())).collect()
+            // What runs a text knows its language by its name.
+            let named = |e: &Embedded| if e.wgsl { format!("{}.wgsl", e.name) } else { e.name.clone() };
+            whole.map(|e| (named(e), e.stage, e.literal.clone())).collect()
         }
         None => {
             let shaders = Document::read(file).map(|d| d.shaders).unwrap_or_default();
