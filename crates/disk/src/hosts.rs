@@ -1,10 +1,10 @@
 //! Files of a project that may say what its shaders are built with: host code, scripts and build files around a file.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use crate::elsewhere::plain;
-use crate::modules::ancestors;
+use crate::modules::outwards;
 use crate::read_source;
 use base::text::{SourceFile, decode};
 
@@ -17,13 +17,21 @@ const LARGEST: u64 = 2 << 20;
 
 /// Looks for files around another one, folder by folder outwards up to that of the project, each file once.
 ///
+/// Where no folder shows a sign of a project, folders beyond the working directory may belong to anyone, and are left alone;
+/// for a path that does not begin there, all folders but its own.
+///
 /// `wanted` tells files by their paths. `each` gets the files of one folder and what is below it, without those that it has
 /// had, and says whether to go on to the folder around.
 pub fn hosts_around(path: &Path, wanted: &dyn Fn(&Path) -> bool, each: &mut dyn FnMut(&[PathBuf]) -> bool) {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut left = MOST_FILES;
     let mut done: Option<PathBuf> = None;
-    for folder in ancestors(folder) {
+    let (mut folders, project) = outwards(folder);
+    let within =
+        |folder: &PathBuf| folder.is_relative() && !folder.components().any(|part| part == Component::ParentDir);
+    let last = project.unwrap_or_else(|| folders.iter().take_while(|folder| within(folder)).count().saturating_sub(1));
+    folders.truncate(last + 1);
+    for folder in folders {
         let mut found = Vec::new();
         below(&folder, done.as_deref(), wanted, &mut left, &mut found);
         if !each(&found) || left == 0 {
@@ -112,6 +120,14 @@ mod tests {
         hosts_around(&at("src/shaders/k.comp"), &cpp, &mut |found| {
             seen.push(names(found));
             false
+        });
+        assert_eq!(seen, [vec!["a.cpp"]]);
+        // Without a sign of a project, files beside the folder may belong to another one.
+        fs::remove_dir(at(".git")).unwrap();
+        seen.clear();
+        hosts_around(&at("src/shaders/k.comp"), &cpp, &mut |found| {
+            seen.push(names(found));
+            true
         });
         assert_eq!(seen, [vec!["a.cpp"]]);
     }

@@ -166,22 +166,34 @@ fn folder_of(file: &SourceFile) -> PathBuf {
     if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder.to_owned() }
 }
 
-/// Folders that a module of a package may begin in: those around a file, up to that of its project. The project ends
-/// where git says, or with the outermost folder that has a manifest.
+/// Files that stand in the outermost folder of a project, and maybe in folders of it.
+const MANIFESTS: [&str; 7] =
+    ["Cargo.toml", "package.json", "wesl.toml", "CMakeLists.txt", "meson.build", "pyproject.toml", "go.mod"];
+
+/// Folders that a module of a package may begin in: those around a file, up to that of its project.
 pub fn ancestors(folder: &Path) -> Vec<PathBuf> {
+    let (mut found, project) = outwards(folder);
+    // Without a sign of a project, it is the folder itself and the one around it.
+    found.truncate(project.map_or(2, |project| project + 1));
+    found
+}
+
+/// The folders around a file, outwards, and which of them is that of its project: it ends where git says, or with the
+/// outermost folder that has a manifest.
+pub fn outwards(folder: &Path) -> (Vec<PathBuf>, Option<usize>) {
     let absolute = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
     let count = absolute.ancestors().take(32).count();
     let mut found: Vec<PathBuf> = Vec::new();
-    let mut last_manifest = 0;
+    let mut project = None;
     let mut at = folder.to_owned();
     for steps in 0..count {
         found.push(at.clone());
         let has = |name: &str| at.join(name).exists();
-        if has("Cargo.toml") || has("package.json") || has("wesl.toml") {
-            last_manifest = steps;
+        if MANIFESTS.into_iter().any(has) {
+            project = Some(steps);
         }
         if has(".git") {
-            return found;
+            return (found, Some(steps));
         }
         at = match at.components().next_back() {
             Some(std::path::Component::Normal(_)) => match at.parent() {
@@ -194,9 +206,7 @@ pub fn ancestors(folder: &Path) -> Vec<PathBuf> {
             Some(_) => at.join(".."),
         };
     }
-    // Without a sign of a project, it is the folder itself and the one around it.
-    found.truncate((last_manifest + 1).max(2).min(found.len()));
-    found
+    (found, project)
 }
 
 /// The folder that the nearest `wesl.toml` names as the root of its package.

@@ -149,8 +149,14 @@ mod unix {
         write(&path, b"report").unwrap();
         assert_eq!(reader.join().unwrap(), b"report");
         assert!(fs::metadata(&path).unwrap().file_type().is_socket());
-        // Nobody listens any more.
-        assert!(write(&path, b"report").is_err());
+        // Nobody listens any more, once processes that other tests began here have given the listener up.
+        let refused = |_| {
+            write(&path, b"report").is_err() || {
+                std::thread::sleep(EVERY);
+                false
+            }
+        };
+        assert!((0..100).any(refused));
         assert_eq!(count(folder.path()), 1);
     }
 
