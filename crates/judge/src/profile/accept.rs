@@ -27,8 +27,9 @@ pub fn accept(profile: &Profile, op: Op, args: &[f64], stage: Stage) -> Result<I
     let scope = Scope { profile, stage };
     let count = args.len().min(3);
     let mut accepted = scope.apply(op, &points[..count])?;
-    // An argument that may be flushed may also be zero; all combinations count.
-    let flushed = |k: usize| args[k] != 0.0 && profile.argument_flush(args[k], stage) > 0.0;
+    // An argument that may be flushed may also be zero, and a zero that of the other sign; all combinations count.
+    let least = |x: f64| if x == 0.0 { grid::MIN_NORMAL / 2.0 } else { x };
+    let flushed = |k: usize| profile.argument_flush(least(args[k]), stage) > 0.0;
     if (0..count).any(flushed) {
         // The sign of such a zero is not promised, and `atan2` tells the two apart.
         for (combination, zero) in (1_u32..1 << count).flat_map(|c| [(c, 0.0), (c, -0.0)]) {

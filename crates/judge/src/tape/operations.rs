@@ -449,7 +449,11 @@ impl Tape<'_> {
                 [&mut *value, moves, sx, sy, bx, by].into_iter().for_each(|column| column.fill(0.0));
             }
             active.each(|slot| {
-                let (x, y) = ((x[slot], ex[slot]), (y[slot], ey[slot]));
+                let (mut x, y) = ((x[slot], ex[slot]), (y[slot], ey[slot]));
+                if op == Op::Atan2 && x.0 == 0.0 && self.model.flushes() {
+                    // A device that flushes need not keep the sign of zero, which decides between the half turns.
+                    x.1 = x.1.max(MIN_NORMAL);
+                }
                 let found: Image2 = image2(op, (x.0, reach(x.0, x.1, flushes[0])), (y.0, reach(y.0, y.1, flushes[1])));
                 (value[slot], moves[slot]) = (found.value, found.moves);
                 (sx[slot], sy[slot]) = (found.slopes[0], found.slopes[1]);

@@ -225,6 +225,17 @@ fn zero_to_a_positive_power_is_zero_and_stays_near_it() {
 }
 
 #[test]
+fn the_sign_of_a_zero_decides_between_half_turns_where_it_is_kept() {
+    let angle = "float f(float x, float y) { return atan(x, y); }";
+    for zero in [0.0, -0.0] {
+        // A card gives π for −0.0 and −1.0.
+        assert!(bound("vulkan-1.4", angle, &[zero, -1.0]) >= std::f64::consts::TAU);
+        assert!(bound("binary32", angle, &[zero, -1.0]) < 1e-6);
+        assert!(bound("vulkan-1.4", angle, &[zero, 1.0]) < 1e-3);
+    }
+}
+
+#[test]
 fn outputs_fade_with_exponentials_and_not_with_small_factors() {
     let faded = |function: &str, x: f32| {
         with(device("vulkan-1.4", false), function, &[x], |tape, column, _| tape.has_faded(column, 0))

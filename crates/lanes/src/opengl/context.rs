@@ -12,6 +12,9 @@ type Egl = egl::DynamicInstance<egl::EGL1_5>;
 /// `EGL_PLATFORM_SURFACELESS_MESA`.
 const SURFACELESS: egl::Enum = 0x31DD;
 
+/// Versions that are asked for, in this order: Mesa gives the newest that it has whatever it is asked for, NVIDIA that one.
+const VERSIONS: [(egl::Int, egl::Int); 7] = [(4, 6), (4, 5), (4, 4), (4, 3), (4, 0), (3, 3), (3, 2)];
+
 /// What to install.
 pub const REMEDY: &str = "install Mesa, for example `apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri` on Debian or \
                           Ubuntu";
@@ -52,18 +55,21 @@ impl Context {
                 .choose_first_config(display, &wanted)
                 .map_err(|error| format!("EGL has no configuration for OpenGL: {error}"))?
                 .ok_or("EGL has no configuration for OpenGL")?;
-            let attributes = [
-                egl::CONTEXT_MAJOR_VERSION,
-                3,
-                egl::CONTEXT_MINOR_VERSION,
-                2,
-                egl::CONTEXT_OPENGL_PROFILE_MASK,
-                egl::CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                egl::NONE,
-            ];
-            let context = egl
-                .create_context(display, config, None, &attributes)
-                .map_err(|error| format!("the driver makes no context of OpenGL 3.2: {error}"))?;
+            let made = |(major, minor): (egl::Int, egl::Int)| {
+                let attributes = [
+                    egl::CONTEXT_MAJOR_VERSION,
+                    major,
+                    egl::CONTEXT_MINOR_VERSION,
+                    minor,
+                    egl::CONTEXT_OPENGL_PROFILE_MASK,
+                    egl::CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                    egl::NONE,
+                ];
+                egl.create_context(display, config, None, &attributes)
+            };
+            let newest = VERSIONS[..VERSIONS.len() - 1].iter().find_map(|version| made(*version).ok());
+            let context = newest.map_or_else(|| made(VERSIONS[VERSIONS.len() - 1]), Ok);
+            let context = context.map_err(|error| format!("the driver makes no context of OpenGL 3.2: {error}"))?;
             egl.make_current(display, None, None, Some(context))
                 .map_err(|error| format!("the driver needs a surface: {error}"))?;
             let gl = glow::Context::from_loader_function(|name| {

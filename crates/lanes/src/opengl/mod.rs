@@ -227,10 +227,20 @@ fn refused(refusal: Refusal, kernel: &Kernel, job: &Job) -> LaneError {
     LaneError::Api(format!("the driver does not compile the shader: {}", lines.join("\n  ")))
 }
 
-/// Line and column at the start of a line of Mesa's log, such as `0:12(5): error: …`.
+/// Line and column at the start of a line of a driver's log: `0:12(5): error: …` of Mesa, `0(12) : error C1008: …` of NVIDIA,
+/// which tells no column.
 fn position(line: &str) -> Option<((u32, u32), &str)> {
-    let (_, rest) = line.split_once(':')?;
-    let (row, rest) = rest.split_once('(')?;
-    let (column, rest) = rest.split_once("):")?;
-    Some(((row.parse().ok()?, column.parse().ok()?), rest))
+    let mesa = || {
+        let (_, rest) = line.split_once(':')?;
+        let (row, rest) = rest.split_once('(')?;
+        let (column, rest) = rest.split_once("):")?;
+        Some(((row.parse().ok()?, column.parse().ok()?), rest))
+    };
+    let nvidia = || {
+        let (text, rest) = line.split_once('(')?;
+        let (row, rest) = rest.split_once(") :")?;
+        text.parse::<u32>().ok()?;
+        Some(((row.parse().ok()?, 1), rest))
+    };
+    mesa().or_else(nvidia)
 }

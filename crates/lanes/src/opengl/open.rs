@@ -1,5 +1,7 @@
 //! Which drivers there are, and how each is chosen.
 
+use std::path::Path;
+
 use super::context::{Context, REMEDY};
 use super::remote::Remote;
 use super::{Here, OpenGl};
@@ -7,20 +9,27 @@ use crate::worker::{self, Worker};
 use crate::{Api, Candidate, Description, Lane, Stage, Unavailable};
 use base::text::printable;
 
-/// A driver of Mesa.
+/// A driver of OpenGL.
 struct Driver {
     name: &'static str,
     about: &'static str,
     /// What chooses it when a process starts.
     environment: &'static [(&'static str, &'static str)],
-    /// What `GL_RENDERER` begins with, in small letters: Mesa may silently take another driver.
+    /// What `GL_RENDERER` begins with, in small letters: Mesa may silently take another driver. Empty for that of a graphics
+    /// card, whatever it is called.
     renderer: &'static str,
 }
 
 const SOFTWARE: (&str, &str) = ("LIBGL_ALWAYS_SOFTWARE", "1");
 
-/// The drivers that are looked for.
-static DRIVERS: [Driver; 3] = [
+/// What of libglvnd, which has EGL from several vendors, names the one that is taken; without it, that of a graphics card is.
+const VENDOR: (&str, &str) = ("__EGL_VENDOR_LIBRARY_FILENAMES", "/usr/share/glvnd/egl_vendor.d/50_mesa.json");
+
+/// What `GL_RENDERER` of drivers without a device begins with.
+const SOFTWARE_RENDERERS: [&str; 4] = ["llvmpipe", "softpipe", "swrast", "zink (llvmpipe"];
+
+/// The drivers that are looked for; the last one only where there is a graphics card.
+static DRIVERS: [Driver; 4] = [
     Driver {
         name: "opengl",
         about: "Mesa's llvmpipe through OpenGL: the author's own text, real vertex and geometry stages",
@@ -39,7 +48,34 @@ static DRIVERS: [Driver; 3] = [
         environment: &[SOFTWARE, ("MESA_LOADER_DRIVER_OVERRIDE", "zink")],
         renderer: "zink",
     },
+    Driver {
+        name: "opengl-hardware",
+        about: "OpenGL of a graphics card, by the driver of its vendor",
+        environment: &[],
+        renderer: "",
+    },
 ];
+
+/// True where the system has a graphics card with a driver.
+fn has_card() -> bool {
+    let nodes = std::fs::read_dir("/dev/dri").into_iter().flatten().filter_map(Result::ok);
+    let mut names = nodes.map(|node| node.file_name().to_string_lossy().into_owned());
+    names.any(|name| name.starts_with("renderD"))
+        || ["/dev/nvidiactl", "/dev/dxg"].iter().any(|device| Path::new(device).exists())
+}
+
+impl Driver {
+    /// True for a driver that Mesa has without any device.
+    fn of_mesa(&self) -> bool {
+        !self.renderer.is_empty()
+    }
+
+    /// What a process that opens it has in its environment.
+    fn variables(&self) -> Vec<(&'static str, &'static str)> {
+        let vendor = self.of_mesa() && std::env::var_os(VENDOR.0).is_none() && Path::new(VENDOR.1).exists();
+        self.environment.iter().copied().chain(vendor.then_some(VENDOR)).collect()
+    }
+}
 
 /// The lanes of OpenGL drivers.
 pub fn candidates() -> Vec<Candidate> {
@@ -50,7 +86,8 @@ pub fn candidates() -> Vec<Candidate> {
         stand_in: false,
         named_only: false,
     };
-    DRIVERS.iter().map(candidate).collect()
+    let card = has_card();
+    DRIVERS.iter().filter(|driver| card || driver.of_mesa()).map(candidate).collect()
 }
 
 fn missing(why: impl Into<String>) -> Unavailable {
@@ -75,7 +112,7 @@ fn open(driver: &'static Driver) -> Result<Box<dyn Lane>, Unavailable> {
         let description = describe(driver, &context.renderer, &context.version)?;
         return Ok(Box::new(OpenGl { description, backend: Box::new(Here(context)), guarded: true }));
     };
-    let worker = Worker::new(&program.with(super::SIDE), driver.environment);
+    let worker = Worker::new(&program.with(super::SIDE), &driver.variables());
     let remote = Remote::open(worker)?;
     let description = describe(driver, &remote.renderer, &remote.version)?;
     Ok(Box::new(OpenGl { description, backend: Box::new(remote), guarded: false }))
@@ -83,20 +120,31 @@ fn open(driver: &'static Driver) -> Result<Box<dyn Lane>, Unavailable> {
 
 /// What a driver is, by what it says of itself.
 fn describe(driver: &Driver, renderer: &str, version: &str) -> Result<Description, Unavailable> {
-    if !renderer.to_lowercase().starts_with(driver.renderer) {
-        let why = format!("Mesa gives `{renderer}` in place of {}", driver.renderer);
-        return Err(missing(why));
+    let known = |name: &str| renderer.to_lowercase().starts_with(name);
+    if driver.of_mesa() && !known(driver.renderer) {
+        return Err(missing(format!("OpenGL here is `{renderer}` and not Mesa's {}", driver.renderer)));
+    }
+    if !driver.of_mesa() && SOFTWARE_RENDERERS.into_iter().any(known) {
+        let remedy = "install the driver of the graphics card, with its EGL".to_owned();
+        return Err(Unavailable { why: format!("OpenGL here is `{renderer}`, without the graphics card"), remedy });
     }
     // `zink (llvmpipe (LLVM 15.0.6, 256 bits))` is that Vulkan driver, with another API in front.
     let (device, through) = match renderer.split_once('(').filter(|_| driver.renderer == "zink") {
         Some((_, inner)) => (inner.strip_suffix(')').unwrap_or(inner), "zink, "),
         None => (renderer, ""),
     };
+    // `NVIDIA H200/PCIe/SSE2`: bus and processor are no part of what computes.
+    let device = if driver.of_mesa() { device } else { device.split('/').next().unwrap_or(device) };
+    // `4.6.0 NVIDIA 580.159.04`, `4.5 (Core Profile) Mesa 22.3.6`.
+    let compiler = match version.split_whitespace().find(|word| word.starts_with(char::is_alphabetic)) {
+        Some(vendor) if !version.contains("Mesa") => printable(vendor),
+        _ => "Mesa".to_owned(),
+    };
     Ok(Description {
         name: driver.name,
         driver: printable(&format!("{device}, {through}OpenGL {version}")),
-        executor: executor(device),
-        front_end: "Mesa".to_owned(),
+        executor: if driver.of_mesa() { executor(device) } else { printable(device_name(device)) },
+        front_end: compiler,
         api: Api::OpenGl,
         stages: vec![Stage::Vertex, Stage::Geometry],
     })
@@ -104,8 +152,13 @@ fn describe(driver: &Driver, renderer: &str, version: &str) -> Result<Descriptio
 
 /// What runs the shaders of a device: llvmpipe makes machine code with gallivm, whatever API it is reached through.
 fn executor(renderer: &str) -> String {
-    let name = renderer.split([' ', '(', ',']).next().unwrap_or(renderer).to_lowercase();
+    let name = device_name(renderer).split(' ').next().unwrap_or(renderer).to_lowercase();
     if name == "llvmpipe" { "gallivm".to_owned() } else { name }
+}
+
+/// The name of a device, without the versions behind it; the Vulkan lane of the device has the same.
+fn device_name(renderer: &str) -> &str {
+    renderer.split(['(', ',']).next().unwrap_or(renderer).trim()
 }
 
 #[cfg(test)]
@@ -130,6 +183,22 @@ mod tests {
     #[test]
     fn another_driver_than_the_one_asked_for_is_no_lane() {
         let error = described(1, "llvmpipe (LLVM 15.0.6, 256 bits)").unwrap_err();
-        assert!(error.why.contains("in place of softpipe"), "{error}");
+        assert!(error.why.contains("not Mesa's softpipe"), "{error}");
+        let error = described(0, "NVIDIA H200/PCIe/SSE2").unwrap_err();
+        assert!(error.why.contains("not Mesa's llvmpipe"), "{error}");
+        // A machine with a card whose driver is missing has Mesa's software alone.
+        let error = described(3, "llvmpipe (LLVM 15.0.6, 256 bits)").unwrap_err();
+        assert!(error.why.contains("without the graphics card"), "{error}");
+    }
+
+    #[test]
+    fn a_card_is_called_as_by_its_vulkan_driver() {
+        let lane = describe(&DRIVERS[3], "NVIDIA H200/PCIe/SSE2", "4.6.0 NVIDIA 580.159.04").unwrap();
+        assert_eq!(lane.driver, "NVIDIA H200, OpenGL 4.6.0 NVIDIA 580.159.04");
+        assert_eq!((lane.executor.as_str(), lane.front_end.as_str()), ("NVIDIA H200", "NVIDIA"));
+        let (renderer, version) =
+            ("AMD Radeon RX 580 (radeonsi, polaris10, LLVM 15)", "4.6 (Core Profile) Mesa 22.3.6");
+        let lane = describe(&DRIVERS[3], renderer, version).unwrap();
+        assert_eq!((lane.executor.as_str(), lane.front_end.as_str()), ("AMD Radeon RX 580", "Mesa"));
     }
 }

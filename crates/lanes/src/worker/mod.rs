@@ -130,7 +130,7 @@ pub fn with_inputs(error: LaneError, batch: &Batch) -> LaneError {
 /// A process that serves a lane.
 pub struct Worker {
     program: Program,
-    environment: &'static [(&'static str, &'static str)],
+    environment: Vec<(&'static str, &'static str)>,
     running: Option<Running>,
     /// How often it was started.
     starts: u64,
@@ -146,8 +146,8 @@ struct Running {
 
 impl Worker {
     /// A process that is started when it is first spoken to.
-    pub fn new(program: &Program, environment: &'static [(&'static str, &'static str)]) -> Self {
-        Self { program: program.clone(), environment, running: None, starts: 0 }
+    pub fn new(program: &Program, environment: &[(&'static str, &'static str)]) -> Self {
+        Self { program: program.clone(), environment: environment.to_vec(), running: None, starts: 0 }
     }
 
     /// Which start of the process is running; none when it does not.
@@ -158,7 +158,7 @@ impl Worker {
     fn running(&mut self) -> Result<&mut Running, Loss> {
         if self.running.is_none() {
             self.starts += 1;
-            self.running = Some(Running::start(&self.program, self.environment)?);
+            self.running = Some(Running::start(&self.program, &self.environment)?);
         }
         self.running.as_mut().ok_or_else(|| Loss::new("does not run"))
     }
