@@ -29,7 +29,7 @@ fn told(report: &Value) -> Vec<(String, String, u64)> {
 }
 
 /// The wrong twins: the fault that each has, whether it fails the run, and a line that is named.
-const WRONG: [(&str, &str, bool, u64); 34] = [
+const WRONG: [(&str, &str, bool, u64); 38] = [
     // A barrier that is missing behind a step of the sum.
     ("sum.wgsl", "race", true, 21),
     // Elements behind the last one are not filled.
@@ -97,6 +97,14 @@ const WRONG: [(&str, &str, bool, u64); 34] = [
     ("flock.comp", "no_value", true, 19),
     // Values without variance are divided by 0.
     ("standard.wgsl", "no_value", false, 23),
+    // Tiles overlap, whole ones too; its twin is written for whole tiles, and others are tried as well.
+    ("tiles.comp", "race", false, 14),
+    // No barrier behind the steps of a sum, in a kernel whose numbers of a call are packed by fours.
+    ("heads.comp", "race", true, 27),
+    // The memory of the workgroup is indexed by the place in the dispatch: right with one workgroup.
+    ("row_max.comp", "index", false, 16),
+    // No barrier, along an axis of which workgroups ask nothing.
+    ("states.comp", "race", true, 15),
 ];
 
 #[test]
@@ -123,6 +131,21 @@ fn each_wrong_kernel_is_found_by_kind_and_place() {
             told.iter().filter(|(_, severity, _)| severity == "finding").map(|(kind, ..)| &**kind).collect();
         assert!(kinds.is_subset(&BTreeSet::from([kind])), "{name}: {told:?}");
     }
+}
+
+/// A guard that is one off lets an invocation outside at each of its loads and stores.
+#[test]
+fn one_cause_is_one_finding_with_its_places() {
+    let report = fuzzed("wrong", "particles.wgsl", 1);
+    let findings = report["files"][0]["functions"][0]["findings"].as_array().unwrap();
+    let is_outside = |finding: &&Value| finding["kind"] == "index" && finding["severity"] == "finding";
+    let outside: Vec<&Value> = findings.iter().filter(is_outside).collect();
+    assert_eq!(outside.len(), 1, "{outside:?}");
+    let also: Vec<&str> = outside[0]["also"].as_array().unwrap().iter().filter_map(|at| at["at"].as_str()).collect();
+    assert!(!also.is_empty() && also.iter().all(|at| at.contains("particles.wgsl:13:")), "{also:?}");
+    // Three partial sums are read without a barrier; the index is another fault.
+    let told = told(&fuzzed("wrong", "states.comp", 1));
+    assert_eq!(told.iter().filter(|(kind, ..)| kind == "race").count(), 1, "{told:?}");
 }
 
 #[test]

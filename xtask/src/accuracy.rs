@@ -126,12 +126,18 @@ mod tests {
     fn every_device_that_ships_is_a_column() {
         let profiles = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/judge/profiles");
         let page = page(&profiles).unwrap();
-        for name in ["llvmpipe-22.3.6", "softpipe-22.3.6", "swiftshader-subzero-5.0", "nvidia-h200-580.159.04"] {
+        for name in [
+            "llvmpipe-22.3.6",
+            "softpipe-22.3.6",
+            "swiftshader-subzero-5.0",
+            "nvidia-h200-580.159.04",
+            "nvidia-h200-opengl-580.159.04",
+        ] {
             assert!(page.contains(&format!("\n- `{name}`: ")), "{page}");
         }
         let sine = page.lines().find(|line| line.starts_with("| `sin` |")).unwrap();
-        assert_eq!(sine.matches(" | ").count(), 5, "{sine}");
-        assert!(page.contains("| `add` | rounded | 0.5 | 0.5 | 0.5 | 0.5 |\n"), "{page}");
+        assert_eq!(sine.matches(" | ").count(), 6, "{sine}");
+        assert!(page.contains("| `add` | rounded | 0.5 | 0.5 | 0.5 | 0.5 | 0.5 |\n"), "{page}");
         assert!(page.contains(", *outside*"), "{page}");
     }
 

@@ -130,7 +130,7 @@ impl Dispatched {
         let name = |axis: usize| if self.axes.len() == 1 { "N" } else { NAMES[axis] };
         let sized = |axis: usize| self.axes.contains(&axis);
         let along: [String; 3] =
-            std::array::from_fn(|axis| if sized(axis) { name(axis).to_owned() } else { "1".to_owned() });
+            std::array::from_fn(|axis| if sized(axis) { name(axis).to_owned() } else { self.size[axis].to_string() });
         let groups = std::array::from_fn(|axis| match self.size[axis] {
             _ if !sized(axis) => "1".to_owned(),
             1 => name(axis).to_owned(),

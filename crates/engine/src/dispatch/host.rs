@@ -149,7 +149,7 @@ impl Dispatched {
         }
         .into_iter()
         .map(|pattern: [usize; 3]| {
-            let mut items = [1; 3];
+            let mut items = self.size;
             axes.iter().zip(pattern).for_each(|(&axis, k)| items[axis] = along(axis, k));
             items
         })

@@ -22,7 +22,7 @@ impl Dispatched {
     fn sides(&self, items: [u32; 3], axes: usize) -> [u32; 3] {
         let side = |axis: usize| match axis {
             _ if axis >= axes => 1,
-            _ if axis == 0 || self.axes.contains(&axis) => items[axis],
+            _ if axis == 0 || self.size[axis] > 1 || self.axes.contains(&axis) => items[axis],
             _ => FEW,
         };
         std::array::from_fn(side)

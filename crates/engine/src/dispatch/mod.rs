@@ -9,6 +9,7 @@
 //! scenario ─ interp::group ─▶ incidents ─ depends ─▶ findings, warnings, notes
 //! ```
 
+mod doubt;
 mod draft;
 mod host;
 mod images;
@@ -40,7 +41,7 @@ pub struct Dispatched {
     pub size: [u32; 3],
     depends: Depends,
     uses: Uses,
-    /// Axes along which the invocations differ in what they do.
+    /// Axes along which a host dispatches as many workgroups as its elements need.
     axes: Vec<usize>,
     /// One workgroup is all that it is written for: nothing asks which one it is.
     alone: bool,
@@ -64,9 +65,10 @@ impl Dispatched {
             Ok(executable) => Arc::new(executable),
             Err(error) => return Some(Err(error.locate(program))),
         };
-        let differs = |axis: &usize| size[*axis] > 1 || executable.reads_local(*axis) || executable.reads_global(*axis);
-        let axes = (0..3).filter(differs).collect();
         let alone = (0..3).all(|axis| !executable.reads_global(axis));
+        let differs = |axis: &usize| size[*axis] > 1 || executable.reads_local(*axis) || executable.reads_global(*axis);
+        // Along an axis of which workgroups ask nothing, one is dispatched: all of them would do the same.
+        let axes = (0..3).filter(differs).filter(|&axis| alone || executable.reads_global(axis)).collect();
         let (depends, uses) = (executable.depends(), executable.uses());
         let zeroed = program.written == Written::Wgsl;
         Some(Ok(Self { program: program.clone(), executable, size, depends, uses, axes, alone, zeroed }))

@@ -6,6 +6,7 @@ use program::interp::{Finding as Hazard, HazardKind};
 use super::Dispatched;
 use super::host::{Length, Scenario};
 use crate::fuzz::{Finding, FunctionReport};
+use judge::verdict::diagnosis::Place;
 use lanes::interrupt;
 
 /// Contents of buffers that are tried for each size.
@@ -27,6 +28,31 @@ pub(super) struct Met {
     pub guarded: bool,
     /// A load whose value has no say in what buffers hold in the end.
     pub harmless: bool,
+    /// It takes place because numbers of the host were guessed that do not fit together.
+    pub doubtful: bool,
+}
+
+impl Met {
+    /// True where one fault is likelier than two: an invocation goes outside at one index of several arrays or in several
+    /// places, and invocations meet in one memory.
+    fn has_same_cause(&self, other: &Self) -> bool {
+        let (own, their) = (&self.incident, &other.incident);
+        if own.what != their.what || self.doubtful != other.doubtful || self.harmless != other.harmless {
+            return false;
+        }
+        let within = |incident: &Incident| incident.other.map(|party| party.group == incident.who.group);
+        match own.what {
+            Wrong::Outside => {
+                let at = |incident: &Incident| (incident.who.group, incident.who.local, incident.index);
+                at(own) == at(their) && self.length == other.length && self.guarded == other.guarded
+            }
+            Wrong::Race | Wrong::Unordered | Wrong::SameValue => {
+                own.memory == their.memory && within(own) == within(their)
+            }
+            Wrong::Unwritten => own.memory == their.memory,
+            Wrong::Divergence | Wrong::Apart | Wrong::NotANumber => false,
+        }
+    }
 }
 
 /// Dispatches a stage in many sizes, and adds what is found to its report. `command` shows it again.
@@ -71,13 +97,34 @@ pub fn run(subject: &Dispatched, command: &str, report: &mut FunctionReport) {
         }
     }
     without_value(subject, &lengths, &mut met, report);
-    let mut found: Vec<Finding> = met.iter().map(|met| subject.told(met, command)).collect();
+    met.iter_mut().for_each(|met| met.doubtful = subject.is_doubtful(met, &lengths));
+    let mut found = by_cause(subject, &met, command);
     found.extend(endless.iter().map(|(hazard, scenario)| subject.told_endless(hazard, scenario, command)));
-    found.extend(cut_off.map(|(count, scenario)| subject.told_cut_off(count, &scenario, command)));
+    let dispatches = report.dispatches as u64;
+    found.extend(cut_off.map(|(count, scenario)| subject.told_cut_off((count, dispatches), &scenario, command)));
     found.extend(unknown);
     found.extend(subject.told_width(&lengths, command));
     report.findings.extend(found);
     report.findings.sort_by_key(|finding| (finding.severity, finding.kind));
+}
+
+/// What was met as findings: one of those with the same cause and weight, with the places of the others.
+fn by_cause(subject: &Dispatched, met: &[Met], command: &str) -> Vec<Finding> {
+    let mut found: Vec<(&Met, Finding)> = Vec::new();
+    for met in met {
+        let told = subject.told(met, command);
+        let same = |(other, own): &&mut (&Met, Finding)| own.severity == told.severity && met.has_same_cause(other);
+        match found.iter_mut().find(same) {
+            Some((_, own)) => {
+                let known =
+                    |place: &Place| own.place.iter().chain(own.also.iter().map(|(at, _)| at)).any(|at| at == place);
+                let further = told.place.filter(|place| !known(place)).map(|place| (place, told.count));
+                own.also.extend(further);
+            }
+            None => found.push((met, told)),
+        }
+    }
+    found.into_iter().map(|(_, finding)| finding).collect()
 }
 
 /// Looks for NaN with contents of buffers on which formulas break. Others follow from the first one, which is told.
@@ -131,7 +178,7 @@ fn note(
         None => {
             let length = incident.memory.and_then(|k| lengths.get(k as usize).copied());
             let guarded = incident.count < scenario.surplus;
-            met.push(Met { incident, scenario: scenario.clone(), length, guarded, harmless });
+            met.push(Met { incident, scenario: scenario.clone(), length, guarded, harmless, doubtful: false });
         }
     }
 }

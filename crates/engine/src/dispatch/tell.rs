@@ -42,11 +42,13 @@ impl Dispatched {
         self.finding(kind, severity, message, Some(hazard.site), (hazard.count, scenario), command)
     }
 
-    /// Dispatches that were cut off: what they would have done behind that is not known.
-    pub(super) fn told_cut_off(&self, count: u64, scenario: &Scenario, command: &str) -> Finding {
+    /// Dispatches that were cut off, of so many: what they would have done behind that is not known. Where others came to
+    /// their ends, it is the numbers of this host that are large, if it gives any.
+    pub(super) fn told_cut_off(&self, (count, of): (u64, u64), scenario: &Scenario, command: &str) -> Finding {
         let message =
             format!("{count} dispatches went on for too long and were cut off: the rest of them is not judged");
-        self.finding(FuzzFindingKind::Endless, Severity::Warning, message, None, (count, scenario), command)
+        let severity = if count < of && !scenario.settings.is_empty() { Severity::Note } else { Severity::Warning };
+        self.finding(FuzzFindingKind::Endless, severity, message, None, (count, scenario), command)
     }
 
     /// Arrays of which no index is called outside, since nothing says how long they are.
@@ -77,6 +79,7 @@ impl Dispatched {
         let shared = shape.is_some_and(|shape| shape.space == Space::Workgroup);
         match incident.what {
             Wrong::SameValue => Severity::Note,
+            _ if met.doubtful => Severity::Note,
             // The author says that it is meant: `diagnostic(off, subgroup_uniformity)`.
             Wrong::Apart if self.program.file.text().contains("subgroup_uniformity") => Severity::Note,
             Wrong::Outside => self.severity_outside(met, shape, certain, by_contents),
@@ -117,7 +120,10 @@ impl Dispatched {
         let asked = incident.memory.is_some_and(|memory| self.uses.lengths.contains(&memory));
         let open = shape.is_some_and(|shape| shape.is_open()) && met.length.is_some();
         let led = !self.depends.leads(incident.who.site).is_empty();
+        // With one workgroup, it never is: how many there are is a guess.
+        let later = shape.is_some_and(|shape| shape.space == Space::Workgroup) && incident.who.group > 0;
         match (open && !asked, by_contents) {
+            (false, _) if certain && later => Severity::Warning,
             (false, _) if certain => Severity::Finding,
             // A host may fill up its buffers as it fills up workgroups. Where most invocations without an element are
             // kept away, it does not.

@@ -33,7 +33,7 @@ struct MeasuredDevice {
     profile: LazyLock<Arc<Profile>>,
 }
 
-static MEASURED: [MeasuredDevice; 4] = [
+static MEASURED: [MeasuredDevice; 5] = [
     MeasuredDevice {
         name: "llvmpipe-22.3.6",
         driver: "llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe, Mesa 22.3.6 (LLVM 15.0.6)",
@@ -64,6 +64,14 @@ static MEASURED: [MeasuredDevice; 4] = [
         profile: LazyLock::new(|| {
             let text = include_str!("../../profiles/nvidia-h200-580.159.04.toml");
             Arc::new(read("nvidia-h200-580.159.04", text, &PROMISED))
+        }),
+    },
+    MeasuredDevice {
+        name: "nvidia-h200-opengl-580.159.04",
+        driver: "NVIDIA H200, OpenGL 4.6.0 NVIDIA 580.159.04",
+        profile: LazyLock::new(|| {
+            let text = include_str!("../../profiles/nvidia-h200-opengl-580.159.04.toml");
+            Arc::new(read("nvidia-h200-opengl-580.159.04", text, &PROMISED))
         }),
     },
 ];

@@ -29,6 +29,7 @@ fn every_shipped_profile_has_an_entry_for_every_operation() {
         "softpipe-22.3.6",
         "swiftshader-subzero-5.0",
         "nvidia-h200-580.159.04",
+        "nvidia-h200-opengl-580.159.04",
     ];
     assert_eq!(names().collect::<Vec<_>>(), all);
     for name in names() {

@@ -58,9 +58,8 @@ static DRIVERS: [Driver; 4] = [
 
 /// True where the system has a graphics card with a driver.
 fn has_card() -> bool {
-    let nodes = std::fs::read_dir("/dev/dri").into_iter().flatten().filter_map(Result::ok);
-    let mut names = nodes.map(|node| node.file_name().to_string_lossy().into_owned());
-    names.any(|name| name.starts_with("renderD"))
+    // The kernel counts them from 128 on.
+    (128..144).any(|node| Path::new(&format!("/dev/dri/renderD{node}")).exists())
         || ["/dev/nvidiactl", "/dev/dxg"].iter().any(|device| Path::new(device).exists())
 }
 
@@ -68,12 +67,6 @@ impl Driver {
     /// True for a driver that Mesa has without any device.
     fn of_mesa(&self) -> bool {
         !self.renderer.is_empty()
-    }
-
-    /// What a process that opens it has in its environment.
-    fn variables(&self) -> Vec<(&'static str, &'static str)> {
-        let vendor = self.of_mesa() && std::env::var_os(VENDOR.0).is_none() && Path::new(VENDOR.1).exists();
-        self.environment.iter().copied().chain(vendor.then_some(VENDOR)).collect()
     }
 }
 
@@ -112,9 +105,19 @@ fn open(driver: &'static Driver) -> Result<Box<dyn Lane>, Unavailable> {
         let description = describe(driver, &context.renderer, &context.version)?;
         return Ok(Box::new(OpenGl { description, backend: Box::new(Here(context)), guarded: true }));
     };
-    let worker = Worker::new(&program.with(super::SIDE), &driver.variables());
-    let remote = Remote::open(worker)?;
-    let description = describe(driver, &remote.renderer, &remote.version)?;
+    let opened = |environment: &[(&'static str, &'static str)]| {
+        let remote = Remote::open(Worker::new(&program.with(super::SIDE), environment))?;
+        let description = describe(driver, &remote.renderer, &remote.version)?;
+        Ok((description, remote))
+    };
+    let first = opened(driver.environment);
+    let (description, remote) = match first {
+        // Another vendor's, perhaps.
+        Err(_) if driver.of_mesa() && Path::new(VENDOR.1).exists() => {
+            opened(&[driver.environment, &[VENDOR]].concat()).or(first)?
+        }
+        first => first?,
+    };
     Ok(Box::new(OpenGl { description, backend: Box::new(remote), guarded: false }))
 }
 

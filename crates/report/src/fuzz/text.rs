@@ -193,9 +193,10 @@ fn one(text: &mut String, function: &FunctionReport, finding: &Finding, color: b
         let expanded = expansion.as_ref().map_or_else(String::new, |name| format!(", in the expansion of `{name}`"));
         let _ = writeln!(text, "  at         {at}: `{source}`{expanded}");
     }
+    let counted = if finding.is_of_dispatch() { "times" } else { "samples" };
     let mut label = "also at";
     for (place, count) in finding.also.iter().take(PLACES) {
-        let _ = writeln!(text, "  {label:<10} {}: `{}` ({count} samples)", place.at, place.text);
+        let _ = writeln!(text, "  {label:<10} {}: `{}` ({count} {counted})", place.at, place.text);
         label = "";
     }
     if finding.also.len() > PLACES {

@@ -82,7 +82,12 @@ pub struct Uses {
 impl Uses {
     /// False for a word of a memory that no instruction reads: it pads out a structure, or the program has no use for it.
     pub fn reads(&self, memory: u32, word: u32) -> bool {
-        self.indexed.contains(&memory) || self.words.contains(&(memory, word))
+        self.indexed.contains(&memory) || self.names(memory, word)
+    }
+
+    /// True for a word of a memory that an instruction reads by its name, and not by an index.
+    pub fn names(&self, memory: u32, word: u32) -> bool {
+        self.words.contains(&(memory, word))
     }
 }
 

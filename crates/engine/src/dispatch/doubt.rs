@@ -1,0 +1,79 @@
+//! What speaks against what was met: numbers of a host of whose meaning nothing in the shader tells.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use program::interp::group::{Incident, Space, Wrong};
+
+use super::Dispatched;
+use super::host::Length;
+use super::run::Met;
+use base::value::Scalar;
+
+/// Elements along an axis, in the order in which axes get them: multiples of what kernels take for tiles, and different.
+const WHOLE: [u32; 3] = [128, 192, 64];
+
+impl Dispatched {
+    /// True where it takes place because numbers were guessed that do not fit together.
+    pub(super) fn is_doubtful(&self, met: &Met, lengths: &[Length]) -> bool {
+        let incident = &met.incident;
+        let storage = incident.memory.and_then(|k| self.executable.memories().get(k as usize));
+        let storage = storage.is_some_and(|shape| matches!(shape.space, Space::Storage { .. }));
+        if !storage || !matches!(incident.what, Wrong::Race | Wrong::Outside) {
+            return false;
+        }
+        self.is_by_packed_numbers(incident) || (incident.what == Wrong::Race && !self.is_with_whole_tiles(met, lengths))
+    }
+
+    /// True where numbers have a say that a vector of four holds for different purposes.
+    fn is_by_packed_numbers(&self, incident: &Incident) -> bool {
+        let packed = self.packed();
+        let sites = [Some(incident.who), incident.other].into_iter().flatten().map(|party| party.site);
+        let sources = sites.map(|site| match incident.what {
+            // A guard may compare with them.
+            Wrong::Outside => self.depends.of(site),
+            _ => self.depends.leads(site),
+        });
+        sources.into_iter().any(|sources| packed.iter().any(|&k| sources.has(k)))
+    }
+
+    /// Uniform memories with a vector of four whole numbers that is no size: a dispatch has three axes, from x on.
+    fn packed(&self) -> Vec<usize> {
+        let is_packed = |k: usize| {
+            let shape = &self.executable.memories()[k];
+            let mut vectors: BTreeMap<&str, (bool, BTreeSet<u32>)> = BTreeMap::new();
+            for leaf in shape.fixed.iter().filter(|leaf| leaf.scalar != Scalar::F32) {
+                let Some(component) = leaf.component else { continue };
+                let (of_four, read) = vectors.entry(&leaf.name).or_default();
+                *of_four |= component == 3;
+                if self.uses.names(k as u32, leaf.offset) {
+                    read.insert(component);
+                }
+            }
+            let is_no_size = |read: &BTreeSet<u32>| read.contains(&3) || read.iter().zip(0..).any(|(k, n)| *k != n);
+            shape.space == Space::Uniform && vectors.values().any(|(of_four, read)| *of_four && is_no_size(read))
+        };
+        (0..self.executable.memories().len()).filter(|&k| is_packed(k)).collect()
+    }
+
+    /// True where two invocations meet as well when all numbers of elements are multiples of 64: a kernel that counts tiles
+    /// is dispatched for whole ones, and `n / 32` is 0 otherwise. What does not depend on numbers of the host is left alone.
+    fn is_with_whole_tiles(&self, met: &Met, lengths: &[Length]) -> bool {
+        let incident = &met.incident;
+        let parties = [Some(incident.who), incident.other].into_iter().flatten();
+        let by_settings = |k: usize| self.executable.memories()[k].space == Space::Uniform;
+        let settled = |sources: program::interp::group::Sources| {
+            !(0..self.executable.memories().len()).any(|k| by_settings(k) && sources.has(k))
+        };
+        if parties.into_iter().all(|party| settled(self.depends.leads(party.site))) || self.axes.is_empty() {
+            return true;
+        }
+        let mut items = self.size;
+        for (&axis, whole) in self.axes.iter().zip(WHOLE) {
+            items[axis] = whole.next_multiple_of(self.size[axis]);
+        }
+        let scenario = self.scenario(items, Some(lengths), 0);
+        let outcome = self.play(&scenario, 0);
+        // What was cut off may have met behind that.
+        !outcome.whole || outcome.incidents.iter().any(|other| other.is_same(incident))
+    }
+}
