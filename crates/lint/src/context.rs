@@ -12,6 +12,7 @@ use std::collections::{HashMap, HashSet};
 use base::diagnostic::{Code, Diagnostic};
 use base::text::SourceFile;
 use syntax::ast::ItemKind;
+use syntax::types::Type;
 use syntax::{BuiltinFunction, Profile, Shader, Stage, Token, TokenKind, TokenPlace, Version, errors, is_macro};
 
 use super::conditions::{self, Conditions};
@@ -84,7 +85,7 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
         return Vec::new();
     }
     let file = shader.file();
-    if found.iter().any(|d| dialect::is_mark(file, d)) {
+    if found.iter().any(|d| dialect::is_mark(file, d)) || dialect::is_generated(file.text()) {
         return vec![true; found.len()];
     }
     let has_main = shader.tokens().iter().any(|t| t.kind == TokenKind::Word && file.slice(t.span) == "main");
@@ -123,6 +124,9 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
             || (open && !HOLDS_ANYWAY.contains(&error.code))
             || (error.code == errors::MISSING_MAIN && error.span.is_empty())
             || is_at_unknown_macro(shader, &conditions, error)
+            // What a template fills in may be what is missing.
+            || (filled_in && [errors::REDECLARATION, errors::INITIALISER].contains(&error.code))
+            || (filled_in && error.code == errors::CONSTRUCTOR && file.expansion(error.span).is_some())
             // An engine calls this `main` from its own.
             || (!versioned && error.code == errors::FUNCTION && file.slice(error.span) == "main")
             || (joined && error.code == errors::SYNTAX && (replaced || at_macro(shader, error)))
@@ -152,7 +156,7 @@ fn at_macro(shader: &Shader, error: &Diagnostic) -> bool {
 
 /// True for an error at a word in capitals that no text in sight defines: a qualifier or a type, as an engine calls it.
 fn is_at_unknown_macro(shader: &Shader, conditions: &Conditions, error: &Diagnostic) -> bool {
-    if ![errors::SYNTAX, errors::REDEFINITION].contains(&error.code) {
+    if ![errors::SYNTAX, errors::REDEFINITION, errors::LAYOUT].contains(&error.code) {
         return false;
     }
     let file = shader.file();
@@ -164,8 +168,10 @@ fn is_at_unknown_macro(shader: &Shader, conditions: &Conditions, error: &Diagnos
     let body = file.expansion(error.span).and_then(|e| e.definition);
     let body = body.map_or("", |at| file.text()[at.end..].lines().next().unwrap_or(""));
     let mut words = body.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
-    // A slip happens once.
-    let again = |word: &str| tokens.iter().filter(|t| file.slice(t.span) == word).nth(1).is_some();
+    // A slip happens once, unless a host puts something in front; and no slip stands before a type.
+    let before_type = errors::SYNTAX == error.code && Type::from_name(file.slice(error.span)).is_some();
+    let alone = shader.version().span.is_none() && (before_type || error.code == errors::LAYOUT);
+    let again = |word: &str| alone || tokens.iter().filter(|t| file.slice(t.span) == word).nth(1).is_some();
     let wanted = |word: &str| undefined(word) && again(word);
     wanted(file.slice(error.span)) || wanted(last) || words.any(undefined)
 }

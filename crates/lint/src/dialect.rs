@@ -14,7 +14,28 @@ pub fn is_mark(file: &SourceFile, error: &Diagnostic) -> bool {
     let at = error.span.start;
     let at = file.text().len() - file.text()[at..].trim_start_matches([' ', '\t']).len();
     let (before, behind) = file.text().split_at(at);
-    is_colour(before, behind) || is_pointer(before, behind) || is_title(before, behind) || is_semantic(before, behind)
+    let line = before.rsplit('\n').next().unwrap_or("").len();
+    let line = file.text()[at - line..].lines().next().unwrap_or("");
+    is_colour(before, behind)
+        || is_pointer(before, behind)
+        || is_title(before, behind)
+        || is_semantic(before, behind)
+        || is_generic(line)
+}
+
+/// `coopmat<float, gl_ScopeSubgroup, M, N, gl_MatrixUseA> tile;`, `uniform tensorARM<float, 4> t;`: types with arguments, which
+/// extensions bring.
+fn is_generic(line: &str) -> bool {
+    let word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let Some((before, rest)) = line.split_once('<') else { return false };
+    let Some((arguments, behind)) = rest.split_once('>') else { return false };
+    let name = behind.trim_start();
+    let declared = name.trim_start_matches(word).trim_start();
+    before.ends_with(word)
+        && arguments.contains(',')
+        && arguments.chars().all(|c| word(c) || c == ',' || c == ' ')
+        && name.starts_with(|c: char| c.is_ascii_alphabetic())
+        && declared.starts_with([';', '=', '[', ',', ')'])
 }
 
 /// `vec3 c = #9CF0C0;`
@@ -77,6 +98,17 @@ pub fn is_foreign(file: &SourceFile, error: &Diagnostic) -> bool {
 fn is_template_name(text: &str) -> bool {
     let name = text.strip_prefix('%').and_then(|rest| rest.split_once('%')).map(|(name, _)| name);
     name.is_some_and(|name| !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_'))
+}
+
+/// True for a text with lines by which a generator leaves parts out or repeats them: `$if DTYPE == "half":`, `{% if half %}`.
+pub fn is_generated(text: &str) -> bool {
+    let control = |line: &str| {
+        let line = line.trim_start();
+        let word =
+            line.strip_prefix('$').map(|rest| rest.split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or(""));
+        word.is_some_and(|word| ["if", "elif", "else", "for", "end", "endif"].contains(&word)) || line.starts_with("{%")
+    };
+    text.lines().any(control)
 }
 
 /// True for a text with marks of a template, in directives as well: `#define SIZE ${size}`.

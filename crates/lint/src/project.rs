@@ -12,7 +12,7 @@ use std::sync::{Arc, OnceLock};
 use rayon::prelude::*;
 
 use base::text::{SourceFile, Span};
-use syntax::Stage;
+use syntax::{Looks, Stage};
 
 use super::composed::Composer;
 use super::config::Config;
@@ -78,12 +78,15 @@ pub enum Language {
 }
 
 /// True for a text that other tools write in another language under an ending that GLSL shares with them: engines
-/// their own `.shader`, assembly programs `.vp` and `.fp`, anyone `.cont` and `.eval`.
+/// their own `.shader`, assembly programs `.vp` and `.fp`, anyone `.cont` and `.eval`; and HLSL in a folder of that name.
 fn is_other_language(path: &str, text: &str) -> bool {
     match extension(path).to_ascii_lowercase().as_str() {
         "shader" => true,
         "vp" | "fp" | "cont" | "eval" => !super::host::marks::has_main(text) && !text.contains("#version"),
-        _ => false,
+        _ => {
+            let of_hlsl = path.split(['/', '\\']).any(|folder| folder.eq_ignore_ascii_case("hlsl"));
+            of_hlsl && syntax::looks_like(text, Looks::Glsl).is_some_and(|(other, _)| other == Looks::Hlsl)
+        }
     }
 }
 
@@ -535,6 +538,10 @@ mod tests {
         let lint = |name: &str, text: &str| crate::run(&[input(name, text)]);
         assert!(lint("a.vp", "!!ARBvp1.0\nMOV result.position, vertex.position;\nEND\n").is_empty());
         assert!(lint("b.eval", "step 1: evaluate the model\n").is_empty());
+        let hlsl = "[numthreads(8, 1, 1)]\nvoid main(uint3 id : SV_DispatchThreadID) { }\n";
+        assert!(lint("shaders/hlsl/a.comp", hlsl).is_empty());
+        assert_eq!(lint("shaders/a.comp", hlsl).len(), 1);
+        assert_eq!(lint("shaders/hlsl/a.frag", "#version 330\nvoid main() { vec2 a = vec3(1.0); }\n").len(), 1);
         assert_eq!(lint("a.vp", "#version 330\nvoid main() { gl_Position = vec3(1.0); }\n").len(), 1);
         assert_eq!(lint("a.fp", "void main() { gl_FragColor = vec3(1.0); }\n").len(), 1);
     }

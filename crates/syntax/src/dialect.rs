@@ -9,6 +9,9 @@ const WORDS: &[&str] = &[
     "gl_InstanceIndex",
     "gl_VertexIndex",
     "input_attachment_index",
+    "local_size_x_id",
+    "local_size_y_id",
+    "local_size_z_id",
     "push_constant",
     "subpassInput",
     "subpassInputMS",
@@ -72,6 +75,10 @@ mod tests {
             layout(location = 0) in vec4 c;\nlayout(location = 0) out vec4 o;\n\
             void main() { o = texture(sampler2D(t, s), c.xy) + subpassLoad(depth); }\n";
         assert_eq!(errors(Stage::Fragment, fragment), [""; 0]);
+        // The size of a workgroup alone tells as well.
+        let compute = "#version 450\nlayout(local_size_x_id = 0) in;\nlayout(binding = 0) buffer B { float b[]; };\n\
+            void main() { b[gl_GlobalInvocationID.x] = 0.0; }\n";
+        assert_eq!(errors(Stage::Compute, compute), [""; 0]);
     }
 
     #[test]

@@ -32,7 +32,10 @@ pub fn fitting(
     }
     let (mut best, mut least) = (file.clone(), errors(&plain));
     let tried = TRIED.map(|(number, profile)| Version { number, profile, span: None });
-    for version in first().into_iter().chain(tried) {
+    // No earlier version has compute stages.
+    let computes = |v: &Version| v.number >= if v.profile == Profile::Es { 310 } else { 430 };
+    let fits = |v: &Version| stage != Stage::Compute || computes(v);
+    for version in first().into_iter().chain(tried).filter(fits) {
         let text = stated(&plain.shader, &version);
         let found = errors(&Shader::parse_with(&text, stage, defines));
         if found < least {
@@ -86,6 +89,15 @@ mod tests {
         assert_eq!(vertex(buffer), "#version 430");
         let library = "float f(float x) { return x * 2 + 1.0f; }";
         assert_eq!(version(library, Stage::Library, None), "#version 120");
+    }
+
+    #[test]
+    fn compute_stages_have_a_version_that_has_them() {
+        let text = "layout(FORMAT) writeonly uniform HINT image2D t;\nuniform mediump sampler2D s;\n\
+                    layout(local_size_x = 8) in;\nvoid main() { vec4 c = texelFetch(s, ivec2(0), 0); }\n";
+        assert_eq!(version(text, Stage::Compute, None), "#version 430");
+        assert_eq!(version(text, Stage::Compute, Some((100, Profile::Es))), "#version 430");
+        assert_eq!(version(text, Stage::Compute, Some((310, Profile::Es))), "#version 310 es");
     }
 
     #[test]

@@ -109,6 +109,10 @@ fn a_text_in_another_language_is_left_to_its_tool() {
         "[FragmentShader]",
         "Texture2D map : register(t0);",
         "vec4 shade(vec2 t) : COLOR0 { return t.xyxy; }",
+        "uniform tensorARM<float, 4> weights;",
+        "void load() { coopmat<float, ROWS, 16> tile = zero(); }",
+        "$if HALF == \"yes\":\n#define T float",
+        "{% if half %}\n#define T float",
     ] {
         only_on_request(&[("a.frag", &shader(line))], "T003");
     }
@@ -129,6 +133,21 @@ fn an_unknown_extension_may_bring_types_and_rules() {
     // What is only enabled may be missing.
     by_default(&[("a.frag", &shader(&unknown.replace("require", "enable"), length))], "E034");
     by_default(&[("a.frag", &shader(unknown, "vec4(1.0).xyz"))], "T003");
+}
+
+#[test]
+fn a_host_may_define_a_qualifier_that_is_used_once() {
+    let image = "layout(FORMAT, binding = 0) writeonly uniform PRECISION image2D target;\n\
+        layout(local_size_x = 4) in;\nvoid main() { imageStore(target, ivec2(0), vec3(1.0)); }\n";
+    only_on_request(&[("a.comp", image)], "E001");
+    // A version says that nothing comes in front, and a slip is one.
+    by_default(&[("a.comp", &format!("#version 310 es\n{image}"))], "E001");
+    by_default(&[("a.comp", &image.replace("PRECISION", "Precision").replace("FORMAT", "rgba8"))], "E001");
+    // Generators fill in what is behind a macro.
+    let filled = "#version 450 core\n#define PRECISION ${PRECISION}\n#define op(x) ${OPERATOR}\n\
+        layout(push_constant) uniform PRECISION restrict Block { int n; };\nlayout(location = 0) out vec4 c;\n\
+        void main() { c = vec4(op(n)); }\n";
+    only_on_request(&[("a.frag", filled)], "E049");
 }
 
 #[test]

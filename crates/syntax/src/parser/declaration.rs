@@ -66,6 +66,13 @@ impl Parser<'_> {
             if self.is_name(0) && self.peek_at(1) == Lex::LBrace {
                 return Ok(ItemKind::Block(self.interface_block(qualifiers)?));
             }
+            // The name of a type that is declared below (GL_EXT_buffer_reference).
+            let refers = qualifiers.layout_entry("buffer_reference").is_some();
+            if refers && self.is_name(0) && self.peek_at(1) == Lex::Semicolon {
+                self.advance();
+                self.advance();
+                return Ok(ItemKind::Qualified(QualifiedNames { qualifiers, names: Vec::new() }));
+            }
             if let Some(names) = self.qualified_names(&qualifiers)? {
                 return Ok(ItemKind::Qualified(QualifiedNames { qualifiers, names }));
             }

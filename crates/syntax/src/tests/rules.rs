@@ -343,6 +343,8 @@ fn a_buffer_reference_is_a_type_that_points_elsewhere() {
     assert_eq!(vulkan(&open, "n = 1u;"), ["T018 `n` can only be read"], "the block itself stays");
     let two = format!("{keys}layout(buffer_reference, std430) buffer Other {{ vec4 keys[]; }};\nuint keys = 1u;\n");
     assert_eq!(vulkan(&two, "d[i] = keys;"), [""; 0], "members are no globals");
+    let forward = format!("layout(buffer_reference) buffer Keys;\n{pushed}");
+    assert_eq!(vulkan(&forward, "p.to.keys[i] = i;"), [""; 0]);
     let twice = "layout(buffer_reference, std430) buffer A { uint x; vec4 x; };\n";
     assert_eq!(vulkan(twice, ""), ["E024 `x` is declared twice in this scope"]);
     let plain = "layout(binding = 1) buffer A { uint x; };\nlayout(binding = 2) buffer B { uint x; };\n";
