@@ -7,7 +7,7 @@
 #[cfg(test)]
 mod tests;
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use base::diagnostic::{Code, Diagnostic};
 use base::text::SourceFile;
@@ -115,7 +115,10 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
         // What is written for the first versions is compiled as such where nobody states another.
         under_versions(shader, found, &mut kept, if is_old(shader) { &ANY_VERSION[..1] } else { &ANY_VERSION });
     }
-    let open = shader.requires_unknown_extension();
+    // Geometry stages of GLSL 1.20 are enabled, and have words and qualifiers that no version has.
+    let of_old_stages = shader.extensions().iter().any(|e| e.name.ends_with("_geometry_shader4"));
+    let open = shader.requires_unknown_extension() || of_old_stages;
+    let asked = conditions.undefined(true);
     let unknown_stage = shader.stage() == Stage::Library;
     let of = |(error, kept): (&Diagnostic, bool)| {
         !kept
@@ -124,6 +127,7 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
             || (open && !HOLDS_ANYWAY.contains(&error.code))
             || (error.code == errors::MISSING_MAIN && error.span.is_empty())
             || is_at_unknown_macro(shader, &conditions, error)
+            || (OF_VALUES.contains(&error.code) && is_of_unknown_value(shader, &asked, error))
             // What a template fills in may be what is missing.
             || (filled_in && [errors::REDECLARATION, errors::INITIALISER].contains(&error.code))
             || (filled_in && error.code == errors::CONSTRUCTOR && file.expansion(error.span).is_some())
@@ -137,6 +141,28 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
             || (!versioned && NAMES.contains(&error.code) && error.help.is_none())
     };
     found.iter().zip(kept).map(of).collect()
+}
+
+/// Errors about types of values.
+const OF_VALUES: &[Code] = &[
+    errors::ASSIGN_TYPE,
+    errors::ASSIGN_SIZE,
+    errors::OPERAND_TYPE,
+    errors::CONSTRUCTOR,
+    errors::NO_OVERLOAD,
+    errors::RETURN_TYPE,
+];
+
+/// True for an error in a line with a macro that an `#ifdef` of the text asks for: whoever defines it says what it stands for,
+/// which may be a vector.
+fn is_of_unknown_value(shader: &Shader, asked: &BTreeSet<String>, error: &Diagnostic) -> bool {
+    let file = shader.file();
+    let line = file.position(error.span.start).line;
+    shader.tokens().iter().any(|token| {
+        token.place == TokenPlace::Text
+            && asked.contains(file.slice(token.span))
+            && file.position(token.span.start).line == line
+    })
 }
 
 /// True for a call of a function of the text, of which another text may have further overloads.

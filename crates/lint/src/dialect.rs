@@ -87,11 +87,18 @@ pub fn is_foreign(file: &SourceFile, error: &Diagnostic) -> bool {
         errors::SYNTAX => {
             let before = file.text()[..error.span.start].trim_end();
             is_template_name(&file.text()[error.span.start..])
+                || is_braced_name(&file.text()[error.span.start..])
                 || ["{{", "[[", "##"].iter().any(|mark| file.text()[error.span.start..].starts_with(mark))
                 || before.ends_with(['$', '@', '#'])
         }
         _ => false,
     }
+}
+
+/// True for text that begins with a name in capitals between braces: `float weight[{SAMPLES}];`.
+fn is_braced_name(text: &str) -> bool {
+    let name = text.strip_prefix('{').and_then(|rest| rest.split_once('}')).map(|(name, _)| name);
+    name.is_some_and(syntax::is_macro)
 }
 
 /// True for text that begins with a name between marks: `%BoneCount%`.

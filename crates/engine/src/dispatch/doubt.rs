@@ -21,6 +21,12 @@ impl Dispatched {
         if !storage || !matches!(incident.what, Wrong::Race | Wrong::Outside) {
             return false;
         }
+        let by_settings = |k: usize| self.executable.memories()[k].space == Space::Uniform;
+        let settled =
+            !(0..self.executable.memories().len()).any(|k| by_settings(k) && self.depends.of(incident.who.site).has(k));
+        if met.degenerate && !settled {
+            return true;
+        }
         self.is_by_packed_numbers(incident) || (incident.what == Wrong::Race && !self.is_with_whole_tiles(met, lengths))
     }
 

@@ -28,6 +28,8 @@ pub(super) struct Met {
     pub guarded: bool,
     /// A load whose value has no say in what buffers hold in the end.
     pub harmless: bool,
+    /// Integers were divided by zero in each dispatch that shows it: its numbers are none that a host gives.
+    pub degenerate: bool,
     /// It takes place because numbers of the host were guessed that do not fit together.
     pub doubtful: bool,
 }
@@ -55,6 +57,13 @@ impl Met {
     }
 }
 
+/// What a dispatch says of all that is met in it.
+#[derive(Clone, Copy, Default)]
+struct Said {
+    harmless: bool,
+    degenerate: bool,
+}
+
 /// Dispatches a stage in many sizes, and adds what is found to its report. `command` shows it again.
 pub fn run(subject: &Dispatched, command: &str, report: &mut FunctionReport) {
     let (lengths, widths) = (subject.lengths(), subject.widths());
@@ -77,8 +86,10 @@ pub fn run(subject: &Dispatched, command: &str, report: &mut FunctionReport) {
             let harmless = subject.zeroed && is_same_whatever_is_outside(subject, &scenario, &outcome);
             // The root of a negative number is what was chosen here.
             let chosen = |incident: &Incident| incident.what == Wrong::NotANumber && variant == 0;
+            let by_zero = |hazard: &Hazard| hazard.kind == HazardKind::DivisionByZero;
+            let said = Said { harmless, degenerate: outcome.findings.iter().any(by_zero) };
             for incident in outcome.incidents.into_iter().filter(|incident| !chosen(incident)) {
-                note(subject, &mut met, incident, (&scenario, harmless), &lengths);
+                note(subject, &mut met, incident, (&scenario, said), &lengths);
             }
             for hazard in outcome.findings.into_iter().filter(|hazard| hazard.kind == HazardKind::Fuel) {
                 if endless.iter().all(|(own, _)| own.site != hazard.site) {
@@ -92,7 +103,7 @@ pub fn run(subject: &Dispatched, command: &str, report: &mut FunctionReport) {
             report.dispatches += 1;
             let about = |incident: &Incident| subject.guarded_by(incident, scenario.groups).is_some();
             for incident in outcome.incidents.into_iter().filter(about) {
-                note(subject, &mut met, incident, (&scenario, false), &lengths);
+                note(subject, &mut met, incident, (&scenario, Said::default()), &lengths);
             }
         }
     }
@@ -138,7 +149,7 @@ fn without_value(subject: &Dispatched, lengths: &[Length], met: &mut Vec<Met>, r
         report.dispatches += 1;
         let first = outcome.incidents.into_iter().find(|incident| incident.what == Wrong::NotANumber);
         if let Some(incident) = first {
-            note(subject, met, incident, (&scenario, false), lengths);
+            note(subject, met, incident, (&scenario, Said::default()), lengths);
         }
     }
     let mut first = true;
@@ -161,7 +172,7 @@ fn note(
     subject: &Dispatched,
     met: &mut Vec<Met>,
     incident: Incident,
-    (scenario, harmless): (&Scenario, bool),
+    (scenario, said): (&Scenario, Said),
     lengths: &[Length],
 ) {
     let open = |k: u32| subject.executable.memories().get(k as usize).is_some_and(|shape| shape.is_open());
@@ -173,12 +184,14 @@ fn note(
     match met.iter_mut().find(|own| own.incident.is_same(&incident)) {
         Some(own) => {
             own.incident.count += incident.count;
-            own.harmless &= harmless;
+            own.harmless &= said.harmless;
+            own.degenerate &= said.degenerate;
         }
         None => {
             let length = incident.memory.and_then(|k| lengths.get(k as usize).copied());
             let guarded = incident.count < scenario.surplus;
-            met.push(Met { incident, scenario: scenario.clone(), length, guarded, harmless, doubtful: false });
+            let (Said { harmless, degenerate }, scenario) = (said, scenario.clone());
+            met.push(Met { incident, scenario, length, guarded, harmless, degenerate, doubtful: false });
         }
     }
 }

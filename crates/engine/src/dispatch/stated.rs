@@ -43,7 +43,15 @@ pub fn open_meaning(author: &Program, kernel: &Kernel, batch: &Batch) -> Result<
             let open = matches!(incident.what, Wrong::Race | Wrong::Unordered | Wrong::Divergence | Wrong::Apart);
             if open && met.iter().all(|own| !own.incident.is_same(&incident)) {
                 let scenario = scenario.clone();
-                met.push(Met { incident, scenario, length: None, guarded: false, harmless: false, doubtful: false });
+                met.push(Met {
+                    incident,
+                    scenario,
+                    length: None,
+                    guarded: false,
+                    harmless: false,
+                    degenerate: false,
+                    doubtful: false,
+                });
             }
         }
     }

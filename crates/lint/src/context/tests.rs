@@ -151,6 +151,39 @@ fn a_host_may_define_a_qualifier_that_is_used_once() {
 }
 
 #[test]
+fn who_defines_a_macro_says_what_it_stands_for() {
+    let text = |value: &str| {
+        format!(
+            "#version 330\n{value}uniform sampler2D s;\nin vec2 p;\nout vec4 c;\nvoid main() {{\n  c = texture(s, p);\n\
+             #ifdef SHADOW\n  vec2 moved = SHADOW * 0.5;\n  c = texture(s, p + moved);\n#endif\n}}\n"
+        )
+    };
+    only_on_request(&[("a.frag", &text(""))], "T003");
+    by_default(&[("a.frag", &text("#define SHADOW 1.0\n"))], "T003");
+    by_default(&[("a.frag", &text("").replace("SHADOW * 0.5", "0.5"))], "T003");
+}
+
+#[test]
+fn names_in_braces_are_filled_in() {
+    let text = "varying vec2 v;\nuniform float weight[{SAMPLES}];\nvoid main() {\n  float sum = 0.0;\n  \
+        for (int i = 0; i < {SAMPLES}; i++) { sum += weight[i]; }\n  gl_FragColor = vec4(sum);\n}\n";
+    only_on_request(&[("a.frag", text)], "E001");
+    by_default(&[("a.frag", &text.replace("{SAMPLES}", "{1, 2}"))], "E001");
+}
+
+#[test]
+fn geometry_stages_of_glsl_120_have_words_of_their_own() {
+    let text = |enabled: &str| {
+        format!(
+            "#version 120\n{enabled}varying in vec4 tint[];\nvarying out vec4 own;\nvoid main() {{\n  own = tint[0];\n  \
+             gl_Position = gl_PositionIn[0]; EmitVertex();\n}}\n"
+        )
+    };
+    only_on_request(&[("a.geom", &text("#extension GL_EXT_geometry_shader4 : enable\n"))], "E042");
+    by_default(&[("a.geom", &text(""))], "E042");
+}
+
+#[test]
 fn a_qualifier_in_capitals_may_be_defined_in_front() {
     let text = |first: &str| format!("{first}FUNC float a() {{ return 1.0; }}\nFUNC float b() {{ return a(); }}\n");
     let shader = |first: &str| format!("#version 330\n{}void main() {{}}\n", text(first));

@@ -4,6 +4,9 @@ use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 
+use syntax::Shader;
+use syntax::types::Type;
+
 use super::Program;
 use super::link::{agree, input_type, is_built_in, output_type, producer};
 
@@ -23,7 +26,7 @@ fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>)
             let Some(output) = producer(from, to, input) else { continue };
             let wanted = output_type(from, &output.ty, &output.qualifiers);
             let (Some(wanted), Some(got)) = (wanted, input_type(to, &input.ty, &input.qualifiers)) else { continue };
-            if agree(wanted, got) {
+            if agree(wanted, got) || (is_vulkan(from.shader) || is_vulkan(to.shader)) && drops_components(wanted, got) {
                 continue;
             }
             let (name, had, has, place) = (&input.name, output.ty.to_string(), input.ty.to_string(), from.file.name());
@@ -54,4 +57,15 @@ fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>)
             );
         }
     }
+}
+
+fn is_vulkan(shader: &Shader) -> bool {
+    shader.extensions().iter().any(|extension| extension.name == "GL_KHR_vulkan_glsl")
+}
+
+/// True for a vector that a shorter one takes the first components of, as Vulkan 1.3 has it: section "Interface Matching",
+/// with `maintenance4`.
+fn drops_components(output: &Type, input: &Type) -> bool {
+    let vector = |ty: &Type| ty.is_scalar() || matches!(ty, Type::Vector(..));
+    vector(output) && vector(input) && output.scalar() == input.scalar() && output.components() > input.components()
 }
