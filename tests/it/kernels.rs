@@ -29,7 +29,7 @@ fn told(report: &Value) -> Vec<(String, String, u64)> {
 }
 
 /// The wrong twins: the fault that each has, whether it fails the run, and a line that is named.
-const WRONG: [(&str, &str, bool, u64); 39] = [
+const WRONG: [(&str, &str, bool, u64); 40] = [
     // A barrier that is missing behind a step of the sum.
     ("sum.wgsl", "race", true, 21),
     // Elements behind the last one are not filled.
@@ -107,6 +107,8 @@ const WRONG: [(&str, &str, bool, u64); 39] = [
     ("states.comp", "race", true, 15),
     // Pixels of one channel get three; with none, which no image has, its twin divides by 0 and goes outside.
     ("channels.comp", "race", false, 25),
+    // A sum over the workgroup is 0 where all of its elements are.
+    ("shares.comp", "no_value", false, 23),
 ];
 
 #[test]
@@ -215,7 +217,7 @@ fn a_race_is_told_with_both_places_and_what_the_host_did() {
         "at         fixtures/kernels/wrong/sum.wgsl:21:30: `part[local.x + half]`",
         "workgroups = 1",
         "elements of `values` = 1",
-        "18 dispatches",
+        "19 dispatches",
     ] {
         assert!(report.out.contains(part), "{part}\n{}", report.out);
     }

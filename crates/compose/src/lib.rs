@@ -62,6 +62,9 @@ pub struct Options {
     /// Lets names stand in for placeholders without a value, and reads the first branch of each condition of a template:
     /// for readers that look for faults in a text that nobody runs.
     pub stand_ins: bool,
+    /// Leaves placeholders without a value empty where they have a line for themselves, as those of more members and of
+    /// padding are. [`compose`] tries it by itself.
+    pub empty_lines: bool,
 }
 
 /// A text from several files.
@@ -172,6 +175,14 @@ impl Composed {
 pub fn compose(root: &SourceFile, options: &Options, library: &mut dyn Library) -> Result<Composed, Vec<Diagnostic>> {
     let mut problems = Problems::default();
     let mut composed = link::link(root, options, library, &mut problems);
+    // What stands on lines of its own may be nothing, where the text lacks nothing without it.
+    if !options.empty_lines && !problems.found.is_empty() && problems.found.iter().all(is_unstated) {
+        let mut left = Problems::default();
+        let again = link::link(root, &Options { empty_lines: true, ..options.clone() }, library, &mut left);
+        if left.found.is_empty() && again.undeclared.is_empty() && again.file.text().contains("fn ") {
+            return Ok(again);
+        }
+    }
     if !options.stand_ins
         && problems.found.is_empty()
         && let Some((more, notes)) = template::declared(root, &composed)
@@ -182,6 +193,11 @@ pub fn compose(root: &SourceFile, options: &Options, library: &mut dyn Library) 
         }
     }
     if problems.found.is_empty() { Ok(composed) } else { Err(problems.found) }
+}
+
+/// True for a placeholder that has no value.
+fn is_unstated(problem: &Diagnostic) -> bool {
+    problem.code == errors::TEMPLATE && problem.message.to_string().ends_with("has no value")
 }
 
 /// A text in an early draft of WGSL as the language has it today, without its imports, and that it is such a text. None

@@ -58,7 +58,7 @@ impl Module {
     ) -> Self {
         let template::Rendered { file, notes: assumed, left_out: branches, included } = match options.stand_ins {
             true => template::Rendered::of(template::stand_in(author, defines)),
-            false => template::render(author, defines, library, problems),
+            false => template::render(author, (defines, options.empty_lines), library, problems),
         };
         let (file, directives) = without_directives(&file, defines, options, library, problems);
         let condition::Conditional { file, mut left_out } = condition::decide(&file, defines, problems);

@@ -456,6 +456,14 @@ fn early_drafts_become_the_language_of_today() {
              var t:  texture_storage_2d<rgba8unorm, read>;\n\
              fn f() { let s = vec2<i32>(textureDimensions(t)); let n = arrayLength(&b.d); _ = (n + 1); }",
         ),
+        (
+            "[[group(0), binding(0)]] var<storage, write> b: B;\n\
+             fn f(a: u32) { let b = a; for (var a = 0u; a < b; a += 1u) { let b = c.b + b; g(b); } let b = b + a; \
+             { let b = b * 2; g(b); } let a = a; g(a + b); }\nfn g(b: u32) { let c = b; }",
+            "@group(0) @binding(0) var<storage, read_write> b: B;\n\
+             fn f(a: u32) { let b = a; for (var a = 0u; a < b; a += 1u) { let b = c.b + b; g(b); } let b_2 = b + a; \
+             { let b_2 = b_2 * 2; g(b_2); } let a_2 = a; g(a_2 + b_2); }\nfn g(b: u32) { let c = b; }",
+        ),
     ];
     for (old, new) in pairs {
         let tidy = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");

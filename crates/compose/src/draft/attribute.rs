@@ -106,7 +106,9 @@ impl Pass<'_> {
             "block" => self.change(span, "", "structures need no `block`"),
             "stride" => {
                 let element = self.element(end);
-                if let (Ok(bytes), Some(element)) = (argument.parse(), element) {
+                if argument == "0" {
+                    // What a template leaves open is that of the elements.
+                } else if let (Ok(bytes), Some(element)) = (argument.parse(), element) {
                     self.strides.push(Stride { span: self.span(at, next), bytes, element });
                 } else {
                     self.refuse(self.span(at, next), "this `stride`", HELP);

@@ -6,6 +6,7 @@
 
 mod attribute;
 mod library;
+mod shadowed;
 
 use base::diagnostic::{Diagnostic, Safety, Severity};
 use base::text::{Assembly, Edit, SourceFile, Span};
@@ -58,6 +59,7 @@ pub(crate) fn modernise(file: &SourceFile, problems: &mut Problems) -> Current {
         return unchanged;
     }
     pass.library();
+    pass.shadowed();
     pass.finish()
 }
 
@@ -215,6 +217,9 @@ impl Pass<'_> {
         match self.word(at + 2) {
             "uniform_constant" | "handle" if self.word(at + 3) == ">" => {
                 self.change(self.span(at + 1, at + 4), "", "textures and samplers have no storage class");
+            }
+            "storage" if self.word(at + 3) == "," && self.word(at + 4) == "write" => {
+                self.change(self.tokens[at + 4].span, "read_write", "a buffer that is written can be read");
             }
             "storage_buffer" => self.change(class, "storage", "`storage_buffer` is `storage`"),
             word @ ("in" | "out") => {

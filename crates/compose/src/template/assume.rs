@@ -43,12 +43,29 @@ pub(super) fn by_place(file: &SourceFile, span: Span, count: usize) -> Option<(R
                 };
                 return assumed(value, "the size of a workgroup").map(|a| (0, a));
             }
+            // That of the elements, whatever they are.
+            "stride" | "@stride" => return assumed("0", "the stride of the elements").map(|a| (1, a)),
             "@group" => return assumed("0", "a group of bindings").map(|a| (1, a)),
             "@binding" | "@location" | "@id" => {
                 return assumed(count.to_string(), "a number of a binding").map(|a| (1, a));
             }
             _ => {}
         }
+    }
+    // A part of a name tells names apart: `input_{{ n }}`.
+    let named = before.len() == span.start
+        && before
+            .rsplit(|c: char| !(c.is_alphanumeric() || c == '_'))
+            .next()
+            .is_some_and(|word| word.len() > 3 && word.starts_with(|c: char| c.is_alphabetic() || c == '_'));
+    if named {
+        return assumed(count.to_string(), "a part of a name").map(|a| (1, a));
+    }
+    // As many rounds as a test needs: those of loops in loops are a product.
+    let head = text[line..span.start].trim_start();
+    let rounds = head.starts_with("for") && head.contains(';') && before.ends_with(['<', '=']) && !before.ends_with("==");
+    if rounds && before.trim_end_matches('=').ends_with('<') {
+        return assumed("3", "a number of rounds").map(|a| (2, a));
     }
     let suffix =
         |s: &str| after.starts_with(s) && !after[s.len()..].starts_with(|c: char| c.is_alphanumeric() || c == '_');
@@ -100,7 +117,7 @@ pub(super) fn by_place(file: &SourceFile, span: Span, count: usize) -> Option<(R
     if before.ends_with(',') && inside_array(before) {
         return assumed("64", "the length of an array").map(|a| (2, a));
     }
-    let counted = before.ends_with(['<', '%', '/', '*']) || before.ends_with("<=") || before.ends_with(">=");
+    let counted = rest.trim_start().starts_with('/') || before.ends_with(['<', '%', '/', '*']) || before.ends_with("<=") || before.ends_with(">=");
     assumed(if counted { "64" } else { "1" }, "a number").map(|a| (4, a))
 }
 
@@ -162,9 +179,13 @@ mod tests {
             ("fn f(x: {{ elem }}) -> f32", "f32"),
             ("var<private> a: array<vec4<f32>, {{ n }}>;", "64"),
             ("if (i < {{ n }}u) {", "64"),
+            ("const STRIDE: u32 = {{ bytes }} / 4u;", "64"),
             ("let x = {{ alpha }} * y;", "1"),
             ("texture_storage_2d<{{F}}, write>", "rgba8unorm"),
+            ("  for (var i = 0u; i < {{ n }}u; i++) {", "3"),
             ("a: vec{{n}}<f32>", "4"),
+            ("var<storage> var_{{ input[0] }}: Array;", "3"),
+            ("data: [[stride({{ s }})]] array<f32>;", "0"),
             ("x = a[0] {{ op }} b[0];", "+"),
             ("x = {{ f }}(y);", "abs"),
         ] {

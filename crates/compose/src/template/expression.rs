@@ -117,9 +117,21 @@ impl Engine {
     /// The value of an expression; its reason where it has none.
     pub(super) fn value(&self, expression: &str, scope: &Scope) -> Result<Value, String> {
         let told = |error: Error| error.to_string();
-        let value = self.0.compile_expression(expression).map_err(told)?.eval(scope).map_err(told)?;
+        let expression = of_tera(expression);
+        let value = self.0.compile_expression(&expression).map_err(told)?.eval(scope).map_err(told)?;
         if value.is_undefined() { Err("it has no value".to_owned()) } else { Ok(value) }
     }
+}
+
+/// `n / 4 | int` rounds the quotient in Tera and 4 in Jinja, where nobody would write it: brackets make it that of Tera.
+fn of_tera(expression: &str) -> std::borrow::Cow<'_, str> {
+    let found = ["int", "round"].into_iter().find_map(|filter| {
+        let sum = expression.trim_end().strip_suffix(filter)?.trim_end().strip_suffix('|')?;
+        let plain = |c: char| c.is_alphanumeric() || "_.[] +-*/%".contains(c);
+        let reckoned = sum.contains(['+', '-', '*', '/', '%']) && sum.chars().all(plain);
+        reckoned.then(|| format!("({}) | {filter}", sum.trim()))
+    });
+    found.map_or(expression.into(), Into::into)
 }
 
 /// `range(n)`, `range(a, b)` of Jinja, and `range(start=a, end=b)` of Tera.

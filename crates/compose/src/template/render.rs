@@ -37,10 +37,11 @@ impl Rendered {
     }
 }
 
-/// Puts values into a text. A text without placeholders stays as it is. What is assumed is told as notes.
+/// Puts values into a text. A text without placeholders stays as it is. What is assumed is told as notes. With `empty`,
+/// placeholders without a value are left empty that have a line for themselves.
 pub(crate) fn render(
     file: &SourceFile,
-    defines: &[(String, String)],
+    (defines, empty): (&[(String, String)], bool),
     library: &mut dyn Library,
     problems: &mut Problems,
 ) -> Rendered {
@@ -50,6 +51,7 @@ pub(crate) fn render(
     }
     let mut work = Work {
         defines,
+        empty,
         scope: defines.iter().map(|(name, value)| (name.clone(), stated(value))).collect(),
         engine: Engine::default(),
         library,
@@ -74,6 +76,8 @@ const OPEN: &str =
 
 struct Work<'a> {
     defines: &'a [(String, String)],
+    /// Lines of their own are left empty.
+    empty: bool,
     scope: Scope,
     engine: Engine,
     library: &'a mut dyn Library,
@@ -242,6 +246,10 @@ impl Work<'_> {
         }
         let missing = self.unknown(text).into_iter().map(|(path, _)| path).find(|p| !self.assumed.contains_key(p));
         if let Some(name) = missing {
+            if self.empty && name == text.trim() && has_own_line(file.text(), span) {
+                let message = format!("`{name}` is left empty: nothing states it; `--define {name}=VALUE` does");
+                return self.tell(file, span, name, message);
+            }
             let help = format!("give its value with `--define {name}=VALUE`; an empty value is one");
             let message = format!("the placeholder `{name}` has no value");
             return self.problems.add(errors::TEMPLATE, file, span, message, &help);
@@ -353,6 +361,13 @@ impl Work<'_> {
         self.nodes(&found, &nodes);
         self.depth -= 1;
     }
+}
+
+/// True where nothing else stands on the line.
+fn has_own_line(text: &str, span: Span) -> bool {
+    let before = text[..span.start].rsplit(['\n', '\r']).next().unwrap_or("");
+    let behind = text[span.end..].split(['\n', '\r']).next().unwrap_or("");
+    before.trim().is_empty() && behind.trim().is_empty()
 }
 
 /// True for a path of whose elements a filter asks.

@@ -36,7 +36,7 @@ fn rendered(text: &str, defines: &[(&str, &str)], files: &[(&str, &str)]) -> Fil
     let mut library = Files(files.iter().map(|&(name, text)| SourceFile::new(name, text)).collect());
     let mut problems = Problems::default();
     let Rendered { file: out, notes, .. } =
-        render(&SourceFile::new("a.wgsl", text), &defines, &mut library, &mut problems);
+        render(&SourceFile::new("a.wgsl", text), (&defines, false), &mut library, &mut problems);
     let shown = |d: &base::diagnostic::Diagnostic| format!("{} {}", d.file.locate(d.span.start), d.message);
     Filled {
         text: out.text().to_owned(),
@@ -123,6 +123,31 @@ fn what_has_no_value_and_what_needs_an_engine_is_told() {
     assert_eq!(told("{% if a %}"), ["a.wgsl:1:1 this condition is never ended"]);
     assert_eq!(told("{% endif %}"), ["a.wgsl:1:1 nothing ends here"]);
     assert_eq!(told("// {{X}}"), Vec::<String>::new());
+}
+
+#[test]
+fn what_has_a_line_for_itself_may_be_nothing() {
+    let composed = |text: &str| {
+        crate::compose(&SourceFile::new("a.wgsl", text), &crate::Options::default(), &mut Files(Vec::new()))
+    };
+    let text = "struct P {\n  x: f32,\n  {{PADDING}}\n}\nfn f(p: P) -> f32 { return p.x; }";
+    let found = composed(text).unwrap();
+    assert_eq!(found.file.text(), text.replace("{{PADDING}}", ""));
+    assert_eq!(
+        found.notes.iter().map(|note| note.message.to_string()).collect::<Vec<_>>(),
+        ["`PADDING` is left empty: nothing states it; `--define PADDING=VALUE` does"]
+    );
+    // What the text needs is no padding.
+    for text in ["{{DECLARATIONS}}\nfn f() -> f32 { return missing; }", "{{X}}", "fn f() {\n  x = {{X}};\n}\n{{Y}}"] {
+        assert!(composed(text).is_err(), "{text}");
+    }
+}
+
+#[test]
+fn quotients_of_tera_are_rounded_as_a_whole() {
+    assert_eq!(filled("{{ n / 4 | int }}u", &[("n", "6")]).0, "1u");
+    assert_eq!(filled("{{ n / 4 | round }}u", &[("n", "6")]).0, "2u");
+    assert_eq!(filled("{{ n | int / 4 }}u", &[("n", "8")]).0, "2u");
 }
 
 #[test]

@@ -45,6 +45,8 @@ pub(super) enum Contents {
     Unit,
     /// One number everywhere: positions that coincide, samples without variance.
     Equal,
+    /// 0 everywhere, as hosts clear buffers: sums over nothing.
+    Zero,
 }
 
 impl Contents {
@@ -52,6 +54,7 @@ impl Contents {
     fn of(variant: u64) -> Self {
         match variant {
             super::run::EQUAL => Self::Equal,
+            super::run::ZERO => Self::Zero,
             n if n.is_multiple_of(2) => Self::Signed,
             _ => Self::Unit,
         }
@@ -63,6 +66,7 @@ impl Contents {
             Self::Signed => "buffers hold random numbers between -1 and 1",
             Self::Unit => "buffers hold random numbers between 0 and 1",
             Self::Equal => "buffers hold 0.5 everywhere",
+            Self::Zero => "buffers hold 0 everywhere",
         }
     }
 }
@@ -513,7 +517,8 @@ impl Host {
                 let value = match Contents::of(self.variant) {
                     Contents::Signed => 2.0 * unit - 1.0,
                     Contents::Equal if space != Space::Uniform => 0.5,
-                    Contents::Unit | Contents::Equal => unit,
+                    Contents::Zero if space != Space::Uniform => 0.0,
+                    Contents::Unit | Contents::Equal | Contents::Zero => unit,
                 };
                 (value as f32).to_bits()
             }

@@ -15,6 +15,9 @@ const VARIANTS: u64 = 2;
 /// The choices of a host that puts one number everywhere.
 pub(super) const EQUAL: u64 = 2;
 
+/// The choices of a host that puts 0 everywhere.
+pub(super) const ZERO: u64 = 3;
+
 /// Bits that loads outside of their arrays give the second time; as a number, 1.2e17.
 const OTHER: u32 = 0x5bd1_e995;
 
@@ -150,6 +153,20 @@ fn without_value(subject: &Dispatched, lengths: &[Length], met: &mut Vec<Met>, r
         let first = outcome.incidents.into_iter().find(|incident| incident.what == Wrong::NotANumber);
         if let Some(incident) = first {
             note(subject, met, incident, (&scenario, Said::default()), lengths);
+        }
+    }
+    // What a workgroup sums up may be nothing. Of single elements, such as masses, a host may know that none is 0.
+    let collected = |incident: &Incident| {
+        incident.what == Wrong::NotANumber && subject.depends.value(incident.who.site).is_collected()
+    };
+    let mut memories = subject.executable.memories().iter();
+    let last = memories.any(|shape| shape.space == Space::Workgroup).then(|| subject.sizes().pop()).flatten();
+    if let Some(items) = last.filter(|_| met.iter().all(|met| met.incident.what != Wrong::NotANumber)) {
+        let scenario = subject.scenario(items, Some(lengths), ZERO);
+        let outcome = subject.play(&scenario, 0);
+        report.dispatches += 1;
+        if let Some(incident) = outcome.incidents.into_iter().find(collected) {
+            note(subject, met, incident, (&scenario, false), lengths);
         }
     }
     let mut first = true;

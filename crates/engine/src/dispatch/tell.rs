@@ -86,7 +86,8 @@ impl Dispatched {
             // Devices of today see `coherent` memory behind any barrier, and whoever writes the word means that.
             Wrong::Unordered if self.program.file.text().contains("coherent") || !fixed => Severity::Note,
             // With random numbers, it is more often a whole number of the host that is guessed wrong.
-            Wrong::NotANumber if met.scenario.contents != Contents::Equal || self.has_matrices() => Severity::Note,
+            Wrong::NotANumber if self.has_matrices() => Severity::Note,
+            Wrong::NotANumber if !matches!(met.scenario.contents, Contents::Equal | Contents::Zero) => Severity::Note,
             Wrong::Unordered | Wrong::NotANumber => Severity::Warning,
             _ if certain => Severity::Finding,
             // Where all invocations take one branch, nobody is missing.

@@ -12,11 +12,11 @@ mod sum;
 mod value;
 mod walk;
 
-pub use bound::bounds;
+pub use bound::{Bound, bounds};
 pub use guard::{indexed_arrays, unguarded_store};
 pub use shared::{Beyond, Kind, Race};
 pub use split::{Split, Splits};
-pub use sum::{Factor, Product, plain, sum, sums};
+pub use sum::{Factor, Product, plain, product, sum, sums};
 
 use std::collections::{BTreeMap, BTreeSet};
 

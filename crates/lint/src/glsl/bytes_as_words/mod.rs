@@ -48,7 +48,18 @@ fn is_words(shader: &Shader, base: ExprId) -> bool {
 }
 
 /// A structure that takes so many bytes and is called as a constant is, but for the word `STRIDE`.
-fn structure_of<'s>(shader: &'s Shader, constant: &str, bytes: f64) -> Option<&'s str> {
+fn structure_of(shader: &Shader, constant: SymbolId, bytes: f64) -> Option<String> {
+    let symbol = shader.symbol(constant);
+    structure_in(shader, &symbol.name, bytes).or_else(|| {
+        // A text has what it needs of the files that it imports, and the structure may be no part of that.
+        let (author, _) = shader.file().origin(symbol.span?);
+        let other = author.name() != shader.file().name() && author.text().contains("struct ");
+        other.then(|| structure_in(&Shader::parse_wgsl(&author).shader, &symbol.name, bytes)).flatten()
+    })
+}
+
+/// The same in one text.
+fn structure_in(shader: &Shader, constant: &str, bytes: f64) -> Option<String> {
     let module = shader.wgsl()?;
     let mut own = words(constant);
     own.retain(|word| !SIZES.contains(&word.as_str()));
@@ -58,7 +69,7 @@ fn structure_of<'s>(shader: &'s Shader, constant: &str, bytes: f64) -> Option<&'
         let mut theirs = words(&name.name);
         theirs.sort();
         let size = module.layouts.get(&name.name)?.extent.size;
-        (theirs == own && size as f64 == bytes).then_some(name.name.as_str())
+        (theirs == own && size as f64 == bytes).then(|| name.name.clone())
     })
 }
 
@@ -95,7 +106,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     let mut told = Vec::new();
     for ((array, _), records) in found {
         let last = records.written.iter().copied().fold(0.0, f64::max);
-        let structure = records.name.and_then(|name| structure_of(shader, &shader.symbol(name).name, records.stride));
+        let structure = records.name.and_then(|name| structure_of(shader, name, records.stride));
         let quarter = records.stride / 4.0;
         // All that is written lies in the first quarter, and fills it but for one word.
         let filled = last > 0.0 && last < quarter && last + 2.0 >= quarter;

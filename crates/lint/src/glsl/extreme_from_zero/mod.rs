@@ -12,7 +12,7 @@ use syntax::ast::{Callee, ExprId, ExprKind, Literal, StmtKind};
 use syntax::symbols::SymbolId;
 use syntax::types::Type;
 
-use super::names::has_word;
+use super::names::{has_word, words};
 use super::numeric::bare;
 use super::variable::declarator;
 use super::walk::statements;
@@ -21,11 +21,28 @@ use super::walk::statements;
 pub const RULE: Rule = Rule {
     code: Code("N036"),
     name: "extreme-from-zero",
-    severity: Severity::Info,
-    level: Level::Strict,
+    severity: Severity::Warning,
+    level: Level::Default,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Any(check),
 };
+
+/// Words for numbers of which a name says nothing more, so that they have any sign; radiance, mass and counts have one.
+const PLAIN: [&str; 18] = [
+    "input", "in", "data", "src", "source", "from", "value", "values", "val", "x", "a", "b", "tensor", "bottom", "blob",
+    "logits", "scores", "activations",
+];
+
+/// True where the array that a value is read from is called after nothing in particular.
+fn is_plain(shader: &Shader, value: ExprId) -> bool {
+    let ExprKind::Index { base, .. } = shader.expr(plain(shader, value)).kind else { return false };
+    let all = words(shader.text_of(base).trim());
+    let said = |word: &String| {
+        let word = word.rsplit('.').next().unwrap_or(word).trim_end_matches(|c: char| c.is_ascii_digit());
+        word.is_empty() || PLAIN.contains(&word)
+    };
+    all.iter().flat_map(|word| word.split('.').map(str::to_owned)).collect::<Vec<_>>().iter().all(said)
+}
 
 /// True for 0, and for vectors and conversions of nothing else.
 fn is_zero(shader: &Shader, id: ExprId) -> bool {
@@ -93,29 +110,33 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         let begin = around.iter().map(|l| l.start).min().unwrap_or_default();
         let mut writes = shader.uses_of(symbol).filter(|u| u.access.writes());
         let alone = writes.all(|u| shader.expr(u.expr).span.start >= begin);
-        let element = is_element(shader, value)
-            || shader.symbol_of(bare(shader, value)).is_some_and(|s| {
-                let mut writes = shader.arena().iter().filter_map(|(_, e)| match e.kind {
+        let element = is_element(shader, value).then_some(value).or_else(|| {
+            shader.symbol_of(bare(shader, value)).and_then(|s| {
+                let writes = shader.arena().iter().filter_map(|(_, e)| match e.kind {
                     ExprKind::Assign { op: None, target, value, .. } if shader.symbol_of(target) == Some(s) => {
                         Some(value)
                     }
                     _ => None,
                 });
                 let initial = declarator(file, s).and_then(|d| d.initializer.as_ref()).map(|i| i.value);
-                writes.any(|value| is_element(shader, value)) || initial.is_some_and(|value| is_element(shader, value))
-            });
+                writes.chain(initial).find(|value| is_element(shader, *value))
+            })
+        });
         // Sizes of numbers are known to be positive.
         let sizes = has_word(&shader.symbol(symbol).name, &["abs"]) || has_word(shader.text_of(value), &["abs"]);
-        if sizes || !from_zero || !alone || !element || expr.from_macro || !told.insert(symbol) {
+        let Some(element) = element.filter(|_| !sizes && from_zero && alone && !expr.from_macro) else { continue };
+        if !told.insert(symbol) {
             continue;
         }
+        let level = if is_plain(shader, element) { Level::Default } else { Level::Strict };
         let variable = &shader.symbol(symbol).name;
         let sign = if name == "max" {
             message!("negative, this gives 0", "負なら、結果は 0 になります")
         } else {
             message!("positive, this gives 0", "正なら、結果は 0 になります")
         };
-        findings.push(
+        findings.push_at(
+            level,
             findings
                 .at(
                     &file.file,
@@ -140,7 +161,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::strict_count;
+    use super::super::testing::{default_count, strict_count};
     use super::*;
 
     fn count(body: &str) -> usize {
@@ -159,6 +180,19 @@ mod tests {
             count("float m = 0.0; float v; for (uint k = 0u; k < 9u; ++k) { v = d[i + k]; m = min(v, m); } d[i] = m;"),
             1
         );
+    }
+
+    #[test]
+    fn names_of_numbers_with_a_sign_are_for_the_strict_level() {
+        let text = |name: &str| {
+            format!(
+                "#version 450\nlayout(local_size_x = 8) in;\nlayout(binding = 0) buffer I {{ float {name}[]; }};\n\
+                 void main() {{ float m = 0.0; for (uint k = 0u; k < 9u; ++k) m = max(m, {name}[k]); {name}[9] = m; }}\n"
+            )
+        };
+        let count = |name: &str| (default_count(RULE.code, "a.comp", &text(name)), strict_count(RULE.code, "a.comp", &text(name)));
+        assert_eq!((count("input_0_data"), count("x"), count("src1")), ((1, 1), (1, 1), (1, 1)));
+        assert_eq!((count("radiance"), count("mass_data")), ((0, 1), (0, 1)));
     }
 
     #[test]

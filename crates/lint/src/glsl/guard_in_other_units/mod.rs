@@ -1,10 +1,13 @@
 //! K003: a guard that counts in other units than the rows that its variable walks along.
 
-use crate::kernel::{bounds, sum, sums};
+use crate::kernel::{Bound, Product, bounds, product, sum, sums};
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
-use syntax::Stage;
+use syntax::ast::{ExprId, ExprKind};
+use syntax::{Shader, Stage};
+
+use super::numeric::bare;
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -83,25 +86,61 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
                         "条件と添字で同じ単位を使ってください"
                     ));
                 // Half of a row may be meant: the other half is reached from there.
-                findings.push_at(if rows > 1.0 { Level::Default } else { Level::Strict }, found);
+                let whole = || terms.len() == 2 && stands_for_several(shader, guard) && !goes_on(shader, step, row);
+                findings.push_at(if rows > 1.0 || whole() { Level::Default } else { Level::Strict }, found);
             }
         }
     }
 }
 
+/// True for `4 * x >= width`, which says that an invocation stands for four elements; `x >= width / 4` may leave some out.
+fn stands_for_several(shader: &Shader, guard: &Bound) -> bool {
+    let ExprKind::Binary { left, right, .. } = shader.expr(bare(shader, guard.condition)).kind else { return false };
+    let several = |id: ExprId| {
+        let own = product(shader, id);
+        own.times > 1.0 && own.only().is_some_and(|only| only.text == guard.of.text)
+    };
+    several(left) || several(right)
+}
+
+/// True where another index goes on from the same row and place: it reaches what this one leaves out.
+fn goes_on(shader: &Shader, step: &Product, row: &Product) -> bool {
+    sums(shader).into_iter().map(|id| sum(shader, id)).any(|terms| {
+        let has = |product: &Product| terms.iter().any(|term| same(term, product));
+        terms.len() > 2 && has(step) && has(row)
+    })
+}
+
+fn same(a: &Product, b: &Product) -> bool {
+    let texts = |product: &Product| product.factors.iter().map(|factor| factor.text.clone()).collect::<Vec<_>>();
+    a.times == b.times && texts(a) == texts(b)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::testing::strict_count;
+    use super::super::testing::{default_count, strict_count};
     use super::*;
     use crate::wgsl::testing::count as in_wgsl;
 
-    fn count(body: &str) -> usize {
-        let text = format!(
+    fn text(body: &str) -> String {
+        format!(
             "#version 450\nlayout(local_size_x = 8, local_size_y = 8) in;\n\
              layout(std430, binding = 0) buffer D {{ float data[]; }};\nlayout(binding = 1) uniform P {{ int w, h; }} p;\n\
              void main()\n{{\n int x = int(gl_GlobalInvocationID.x);\n int y = int(gl_GlobalInvocationID.y);\n {body}\n}}\n"
-        );
-        strict_count(RULE.code, "a.comp", &text)
+        )
+    }
+
+    fn count(body: &str) -> usize {
+        strict_count(RULE.code, "a.comp", &text(body))
+    }
+
+    #[test]
+    fn an_invocation_for_several_elements_does_not_count_as_one() {
+        let count = |body: &str| default_count(RULE.code, "a.comp", &text(body));
+        assert_eq!(count("if (x * 4 >= p.w) return; data[y * p.w + x] = 1.0;"), 1);
+        assert_eq!(count("if (x * 4 >= p.w) return; data[y * p.w / 4 + x] = 1.0;"), 0);
+        assert_eq!(count("if (x >= p.w / 2) return; data[y * p.w + x] = 1.0;"), 0, "half of it may be meant");
+        assert_eq!(count("if (x * 2 >= p.w) return; data[y * p.w + x] = data[y * p.w + x + p.w / 2];"), 0);
     }
 
     #[test]

@@ -17,8 +17,8 @@ use super::numeric::bare;
 pub const RULE: Rule = Rule {
     code: Code("K006"),
     name: "index-of-idle-axis",
-    severity: Severity::Info,
-    level: Level::Strict,
+    severity: Severity::Warning,
+    level: Level::Default,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Any(check),
 };
@@ -94,7 +94,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::strict_count;
+    use super::super::testing::default_count;
     use super::*;
 
     fn count(body: &str) -> usize {
@@ -103,7 +103,7 @@ mod tests {
              layout(std430, binding = 1) readonly buffer B {{ float bias[]; }};\n\
              void main()\n{{\n int x = int(gl_GlobalInvocationID.x);\n int z = int(gl_GlobalInvocationID.z);\n {body}\n}}\n"
         );
-        strict_count(RULE.code, "a.comp", &text)
+        default_count(RULE.code, "a.comp", &text)
     }
 
     #[test]

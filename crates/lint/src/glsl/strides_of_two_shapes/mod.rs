@@ -16,8 +16,8 @@ use super::forms::Forms;
 pub const RULE: Rule = Rule {
     code: Code("K007"),
     name: "strides-of-two-shapes",
-    severity: Severity::Info,
-    level: Level::Strict,
+    severity: Severity::Warning,
+    level: Level::Default,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Any(check),
 };
@@ -120,7 +120,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::strict_count;
+    use super::super::testing::default_count;
     use super::*;
 
     fn count(body: &str) -> usize {
@@ -131,7 +131,7 @@ mod tests {
              void main()\n{{\n int x = int(gl_GlobalInvocationID.x);\n int y = int(gl_GlobalInvocationID.y);\n \
              int z = int(gl_GlobalInvocationID.z);\n {body}\n}}\n"
         );
-        strict_count(RULE.code, "a.comp", &text)
+        default_count(RULE.code, "a.comp", &text)
     }
 
     #[test]

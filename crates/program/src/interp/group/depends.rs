@@ -14,19 +14,25 @@ use super::shape::Space;
 pub struct Sources {
     contents: u64,
     sizes: u64,
+    /// What invocations of a workgroup collected has a say.
+    collected: bool,
 }
 
 impl Sources {
     fn one(memory: u32) -> Self {
-        Self { contents: 1 << memory.min(63), sizes: 0 }
+        Self { contents: 1 << memory.min(63), ..Self::default() }
     }
 
     fn size(memory: u32) -> Self {
-        Self { contents: 0, sizes: 1 << memory.min(63) }
+        Self { sizes: 1 << memory.min(63), ..Self::default() }
     }
 
     fn or(self, other: Self) -> Self {
-        Self { contents: self.contents | other.contents, sizes: self.sizes | other.sizes }
+        Self {
+            contents: self.contents | other.contents,
+            sizes: self.sizes | other.sizes,
+            collected: self.collected | other.collected,
+        }
     }
 
     /// True where only the numbers of the invocation, constants and lengths have a say.
@@ -39,6 +45,11 @@ impl Sources {
         self.contents >> memory.min(63) & 1 == 1
     }
 
+    /// True when the memory of a workgroup has a say, in which its invocations collect sums and the like.
+    pub fn is_collected(self) -> bool {
+        self.collected
+    }
+
     /// True when the size of an image has a say.
     pub fn has_size(self, memory: usize) -> bool {
         self.sizes >> memory.min(63) & 1 == 1
@@ -49,6 +60,7 @@ impl Sources {
 #[derive(Clone, Debug, Default)]
 pub struct Depends {
     sites: HashMap<Site, (Sources, Sources)>,
+    values: HashMap<Site, Sources>,
 }
 
 impl Depends {
@@ -56,6 +68,11 @@ impl Depends {
     pub fn of(&self, site: Site) -> Sources {
         let (leads, reached) = self.sites.get(&site).copied().unwrap_or_default();
         leads.or(reached)
+    }
+
+    /// What has a say in what is written there, and in whether it is.
+    pub fn value(&self, site: Site) -> Sources {
+        self.values.get(&site).copied().unwrap_or_default()
     }
 
     /// What decides over where it leads, once it is reached.
@@ -98,6 +115,7 @@ struct Pass {
     /// Conditions under which invocations leave a block early.
     left: Sources,
     sites: HashMap<Site, (Sources, Sources)>,
+    values: HashMap<Site, Sources>,
     changed: bool,
 }
 
@@ -111,7 +129,7 @@ impl Executable {
             pass.left = Sources::default();
             pass.block(self, &mut body, Sources::default());
             if !pass.changed {
-                return Depends { sites: pass.sites };
+                return Depends { sites: pass.sites, values: pass.values };
             }
         }
     }
@@ -284,11 +302,14 @@ impl Pass {
                     let all = own.or(read);
                     self.changed |= all != *own;
                     *own = all;
+                    let value = self.values.entry(access.site).or_default();
+                    *value = value.or(read);
                 }
                 given = given.or(self.contents.get(&access.memory).copied().unwrap_or_default());
-                if space != Some(Space::Workgroup) {
-                    given = given.or(Sources::one(access.memory));
-                }
+                given = given.or(match space {
+                    Some(Space::Workgroup) => Sources { collected: true, ..Sources::default() },
+                    _ => Sources::one(access.memory),
+                });
             }
             Inst::Length { memory, of: Extent::Side(_), .. } => given = here.or(Sources::size(*memory)),
             Inst::Length { .. } => given = here,
