@@ -12,7 +12,6 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use base::diagnostic::{Code, Diagnostic};
 use base::text::SourceFile;
 use syntax::ast::ItemKind;
-use syntax::types::Type;
 use syntax::{BuiltinFunction, Profile, Shader, Stage, Token, TokenKind, TokenPlace, Version, errors, is_macro};
 
 use super::conditions::{self, Conditions};
@@ -85,7 +84,7 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
         return Vec::new();
     }
     let file = shader.file();
-    if found.iter().any(|d| dialect::is_mark(file, d)) || dialect::is_generated(file.text()) {
+    if dialect::needs_another_reader(shader) || found.iter().any(|d| dialect::is_mark(file, d)) {
         return vec![true; found.len()];
     }
     let has_main = shader.tokens().iter().any(|t| t.kind == TokenKind::Word && file.slice(t.span) == "main");
@@ -182,10 +181,12 @@ fn at_macro(shader: &Shader, error: &Diagnostic) -> bool {
 
 /// True for an error at a word in capitals that no text in sight defines: a qualifier or a type, as an engine calls it.
 fn is_at_unknown_macro(shader: &Shader, conditions: &Conditions, error: &Diagnostic) -> bool {
-    if ![errors::SYNTAX, errors::REDEFINITION, errors::LAYOUT].contains(&error.code) {
+    let file = shader.file();
+    // `layout(FORMAT, binding = 0)`
+    let qualifier = error.code == errors::LAYOUT && is_macro(file.slice(error.span));
+    if !qualifier && ![errors::SYNTAX, errors::REDEFINITION].contains(&error.code) {
         return false;
     }
-    let file = shader.file();
     let tokens = shader.tokens();
     let last = tokens[..tokens.partition_point(|t| t.span.end <= error.span.start)].last();
     let last = last.map_or("", |token| file.slice(token.span));
@@ -194,10 +195,10 @@ fn is_at_unknown_macro(shader: &Shader, conditions: &Conditions, error: &Diagnos
     let body = file.expansion(error.span).and_then(|e| e.definition);
     let body = body.map_or("", |at| file.text()[at.end..].lines().next().unwrap_or(""));
     let mut words = body.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
-    // A slip happens once, unless a host puts something in front; and no slip stands before a type.
-    let before_type = errors::SYNTAX == error.code && Type::from_name(file.slice(error.span)).is_some();
-    let alone = shader.version().span.is_none() && (before_type || error.code == errors::LAYOUT);
-    let again = |word: &str| alone || tokens.iter().filter(|t| file.slice(t.span) == word).nth(1).is_some();
+    // A slip happens once. Who puts a version in front puts macros there.
+    let again = |word: &str| {
+        shader.version().span.is_none() || tokens.iter().filter(|t| file.slice(t.span) == word).nth(1).is_some()
+    };
     let wanted = |word: &str| undefined(word) && again(word);
     wanted(file.slice(error.span)) || wanted(last) || words.any(undefined)
 }

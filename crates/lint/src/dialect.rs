@@ -14,28 +14,7 @@ pub fn is_mark(file: &SourceFile, error: &Diagnostic) -> bool {
     let at = error.span.start;
     let at = file.text().len() - file.text()[at..].trim_start_matches([' ', '\t']).len();
     let (before, behind) = file.text().split_at(at);
-    let line = before.rsplit('\n').next().unwrap_or("").len();
-    let line = file.text()[at - line..].lines().next().unwrap_or("");
-    is_colour(before, behind)
-        || is_pointer(before, behind)
-        || is_title(before, behind)
-        || is_semantic(before, behind)
-        || is_generic(line)
-}
-
-/// `coopmat<float, gl_ScopeSubgroup, M, N, gl_MatrixUseA> tile;`, `uniform tensorARM<float, 4> t;`: types with arguments, which
-/// extensions bring.
-fn is_generic(line: &str) -> bool {
-    let word = |c: char| c.is_ascii_alphanumeric() || c == '_';
-    let Some((before, rest)) = line.split_once('<') else { return false };
-    let Some((arguments, behind)) = rest.split_once('>') else { return false };
-    let name = behind.trim_start();
-    let declared = name.trim_start_matches(word).trim_start();
-    before.ends_with(word)
-        && arguments.contains(',')
-        && arguments.chars().all(|c| word(c) || c == ',' || c == ' ')
-        && name.starts_with(|c: char| c.is_ascii_alphabetic())
-        && declared.starts_with([';', '=', '[', ',', ')'])
+    is_colour(before, behind) || is_pointer(before, behind) || is_title(before, behind) || is_semantic(before, behind)
 }
 
 /// `vec3 c = #9CF0C0;`
@@ -73,6 +52,45 @@ fn is_semantic(before: &str, behind: &str) -> bool {
     declared && (capitals || word == "register")
 }
 
+/// Types with parameters, which extensions bring that the front end does not know: their declarations read as comparisons.
+const PARAMETRISED: [&str; 8] =
+    ["coopmat", "fcoopmatNV", "icoopmatNV", "ucoopmatNV", "coopvecNV", "tensorLayoutNV", "tensorViewNV", "tensorARM"];
+
+/// Endings of the files that a host puts in.
+const PARTS: [&str; 8] = [".glsl", ".glslh", ".glsli", ".inc", ".comp", ".vert", ".frag", ".hlsl"];
+
+/// Words of a template engine that stand at the beginning of a line.
+const CONTROLS: [&str; 7] = ["$if ", "$if(", "$for ", "$else", "$elif", "$endif", "{%"];
+
+/// True for a text that another preprocessor takes apart, or one in a language with more types: nothing of it says what is
+/// wrong in GLSL.
+pub fn needs_another_reader(shader: &Shader) -> bool {
+    let text = shader.file().text();
+    let word = |span: base::text::Span| PARAMETRISED.contains(&shader.file().slice(span));
+    let parametrised =
+        || shader.tokens().iter().any(|t| word(t.span) && text[t.span.end..].trim_start().starts_with('<'));
+    text.lines().map(str::trim).any(|line| is_control(line) || is_host_include(line)) || parametrised()
+}
+
+/// `$if STORAGE == "buffer":`, `${layout_declare_ubo(B, "ivec4", "sizes")}`
+fn is_control(line: &str) -> bool {
+    let call = line.strip_prefix("${").and_then(|rest| rest.split_once('('));
+    let name = |name: &str| !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    CONTROLS.iter().any(|word| line.starts_with(word)) || call.is_some_and(|(called, _)| name(called))
+}
+
+/// `AppInclude(include/Math.glsl)`
+fn is_host_include(line: &str) -> bool {
+    let Some((name, rest)) = line.trim_end_matches(';').split_once('(') else { return false };
+    let Some(path) = rest.strip_suffix(')') else { return false };
+    let path = path.trim_matches(['"', '<', '>', '\'', ' ']);
+    let plain = |c: char| c.is_ascii_alphanumeric() || "_-./\\".contains(c);
+    name.starts_with(|c: char| c.is_ascii_alphabetic())
+        && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+        && path.chars().all(plain)
+        && PARTS.iter().any(|ending| path.len() > ending.len() && path.ends_with(ending))
+}
+
 /// True for a text into which directives of a tool bring others.
 pub fn imports(text: &str) -> bool {
     ["#pragma glslify", "#pragma include", "#pragma import"].iter().any(|directive| text.contains(directive))
@@ -105,17 +123,6 @@ fn is_braced_name(text: &str) -> bool {
 fn is_template_name(text: &str) -> bool {
     let name = text.strip_prefix('%').and_then(|rest| rest.split_once('%')).map(|(name, _)| name);
     name.is_some_and(|name| !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_'))
-}
-
-/// True for a text with lines by which a generator leaves parts out or repeats them: `$if DTYPE == "half":`, `{% if half %}`.
-pub fn is_generated(text: &str) -> bool {
-    let control = |line: &str| {
-        let line = line.trim_start();
-        let word =
-            line.strip_prefix('$').map(|rest| rest.split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or(""));
-        word.is_some_and(|word| ["if", "elif", "else", "for", "end", "endif"].contains(&word)) || line.starts_with("{%")
-    };
-    text.lines().any(control)
 }
 
 /// True for a text with marks of a template, in directives as well: `#define SIZE ${size}`.

@@ -47,7 +47,9 @@ impl Pass<'_> {
                     let mut new = stands.map(|(_, new)| new.clone());
                     if again {
                         let taken = |new: &String| given.contains(new) || self.is_a_word(new);
-                        let Some(fresh) = (2..).map(|n| format!("{name}_{n}")).find(|new| !taken(new)) else { continue };
+                        let Some(fresh) = (2..).map(|n| format!("{name}_{n}")).find(|new| !taken(new)) else {
+                            continue;
+                        };
                         given.push(fresh.clone());
                         pending = Some((name, fresh.clone()));
                         new = Some(fresh);

@@ -63,7 +63,8 @@ pub(super) fn by_place(file: &SourceFile, span: Span, count: usize) -> Option<(R
     }
     // As many rounds as a test needs: those of loops in loops are a product.
     let head = text[line..span.start].trim_start();
-    let rounds = head.starts_with("for") && head.contains(';') && before.ends_with(['<', '=']) && !before.ends_with("==");
+    let rounds =
+        head.starts_with("for") && head.contains(';') && before.ends_with(['<', '=']) && !before.ends_with("==");
     if rounds && before.trim_end_matches('=').ends_with('<') {
         return assumed("3", "a number of rounds").map(|a| (2, a));
     }
@@ -117,7 +118,10 @@ pub(super) fn by_place(file: &SourceFile, span: Span, count: usize) -> Option<(R
     if before.ends_with(',') && inside_array(before) {
         return assumed("64", "the length of an array").map(|a| (2, a));
     }
-    let counted = rest.trim_start().starts_with('/') || before.ends_with(['<', '%', '/', '*']) || before.ends_with("<=") || before.ends_with(">=");
+    let counted = rest.trim_start().starts_with('/')
+        || before.ends_with(['<', '%', '/', '*'])
+        || before.ends_with("<=")
+        || before.ends_with(">=");
     assumed(if counted { "64" } else { "1" }, "a number").map(|a| (4, a))
 }
 

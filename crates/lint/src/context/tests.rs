@@ -44,6 +44,22 @@ fn a_piece_is_judged_where_it_is_whole() {
 }
 
 #[test]
+fn texts_for_another_reader_are_left_to_it() {
+    let shader = |line: &str, body: &str| format!("#version 450\n{line}\nout vec4 c;\nvoid main() {{ c = {body}; }}\n");
+    only_on_request(&[("a.frag", &shader("AppInclude(include/Light.glsl)", "light()"))], "E001");
+    only_on_request(&[("a.frag", &shader("$if WIDE:\n  #define T vec4", "T(1.0)"))], "E002");
+    only_on_request(&[("a.frag", &shader("${declare(B, 0)}", "vec3(1.0)"))], "E002");
+    let matrix = "#extension GL_KHR_cooperative_matrix : enable";
+    only_on_request(&[("a.frag", &shader(matrix, "vec4(1.0); coopmat<float, 3> m; c += m"))], "E020");
+    by_default(&[("a.frag", &shader(matrix, "vec4(1.0) * missing"))], "E020");
+    by_default(&[("a.frag", &shader("light(c.rgb);", "vec4(1.0)"))], "E001");
+    // Macros of whoever puts a version in front.
+    let unversioned = "layout(FORMAT, binding = 0) writeonly uniform PRECISION image2D o;\nvoid main() { imageStore(o, ivec2(0), vec4(1.0)); }\n";
+    assert_eq!(found(&[("a.comp", unversioned)]).0, Vec::<String>::new());
+    by_default(&[("a.comp", &format!("#version 450\n{unversioned}"))], "E001");
+}
+
+#[test]
 fn what_another_preprocessor_reads_is_left_to_it() {
     let shader = |line: &str, body: &str| format!("#version 330\n{line}\nout vec4 c;\nvoid main() {{ c = {body}; }}\n");
     only_on_request(&[("a.frag", &shader("@import light;", "light()"))], "E002");

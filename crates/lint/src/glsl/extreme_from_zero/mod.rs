@@ -29,8 +29,24 @@ pub const RULE: Rule = Rule {
 
 /// Words for numbers of which a name says nothing more, so that they have any sign; radiance, mass and counts have one.
 const PLAIN: [&str; 18] = [
-    "input", "in", "data", "src", "source", "from", "value", "values", "val", "x", "a", "b", "tensor", "bottom", "blob",
-    "logits", "scores", "activations",
+    "input",
+    "in",
+    "data",
+    "src",
+    "source",
+    "from",
+    "value",
+    "values",
+    "val",
+    "x",
+    "a",
+    "b",
+    "tensor",
+    "bottom",
+    "blob",
+    "logits",
+    "scores",
+    "activations",
 ];
 
 /// True where the array that a value is read from is called after nothing in particular.
@@ -190,7 +206,9 @@ mod tests {
                  void main() {{ float m = 0.0; for (uint k = 0u; k < 9u; ++k) m = max(m, {name}[k]); {name}[9] = m; }}\n"
             )
         };
-        let count = |name: &str| (default_count(RULE.code, "a.comp", &text(name)), strict_count(RULE.code, "a.comp", &text(name)));
+        let count = |name: &str| {
+            (default_count(RULE.code, "a.comp", &text(name)), strict_count(RULE.code, "a.comp", &text(name)))
+        };
         assert_eq!((count("input_0_data"), count("x"), count("src1")), ((1, 1), (1, 1), (1, 1)));
         assert_eq!((count("radiance"), count("mass_data")), ((0, 1), (0, 1)));
     }
