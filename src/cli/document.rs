@@ -57,6 +57,14 @@ pub fn shader(path: &Path) -> anyhow::Result<SourceFile> {
     }
 }
 
+/// The file that a path means, with a line of it or without.
+pub fn file_of(path: &Path) -> PathBuf {
+    if path.is_file() {
+        return path.to_owned();
+    }
+    at_line(path).map_or_else(|| path.to_owned(), |(document, _)| document)
+}
+
 /// A document and a line of it.
 fn at_line(path: &Path) -> Option<(PathBuf, usize)> {
     let text = path.to_str()?;

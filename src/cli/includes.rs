@@ -96,6 +96,14 @@ pub fn read_all(path: &Path, given: &Given<'_>, stage: Option<Stage>) -> anyhow:
 }
 
 impl IncludedText {
+    /// The author's file, which may hold other shaders or other text as well.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub fn author(&self) -> anyhow::Result<SourceFile> {
+        crate::cli::translate::read(&super::document::file_of(&self.path))
+    }
+
     /// The shader. A library that names no version is written for whatever the shaders that it is put
     /// into say: the newest version is taken, unless only the oldest has what it uses. A stage that names none and states
     /// precisions is GLSL ES 1.00, as browsers take it; a compute shader is of the first version that has what it uses.
@@ -106,6 +114,10 @@ impl IncludedText {
         let errors = |p: &Parsed| p.diagnostics.iter().filter(|d| d.severity == Severity::Error).count();
         if parsed.shader.version().span.is_some() {
             return parsed;
+        }
+        // A text that asks for OpenGL ES is for phones and browsers.
+        if let Some(es) = lint::es_reading(&parsed.shader) {
+            return es;
         }
         let lines: &[&str] = match self.stage {
             Stage::Library => &["#version 460\n"],
@@ -127,8 +139,17 @@ impl IncludedText {
         }
     }
 
-    /// What to tell of the version that is taken for a compute shader which names none.
+    /// What to tell of the version that is taken for a text which names none: a compute shader, or one that asks for OpenGL ES.
     fn assumed_version(&self, defines: &[(String, String)]) -> Option<String> {
+        let plain = Shader::parse_with(&self.file, self.stage, defines).shader;
+        if let Some(es) = lint::es_reading(&plain) {
+            let names: Vec<String> = es.shader.defines().iter().map(|(name, _)| format!("`{name}`")).collect();
+            let names = names.join(", ");
+            return Some(format!(
+                "`{}` asks for OpenGL ES: it is read with {names} defined, as a phone reads it",
+                self.name
+            ));
+        }
         if self.stage != Stage::Compute
             || Shader::parse_with(&self.file, self.stage, defines).shader.version().span.is_some()
         {
@@ -143,8 +164,14 @@ impl IncludedText {
     /// A changed text in the place of the author's file, read in the way of the first.
     ///
     /// # Errors
-    /// As of [`with_includes`].
+    /// As of [`with_includes`], and where a file of several shaders does not hold this one any more.
     pub fn changed(&self, file: &SourceFile, given: &Given<'_>) -> anyhow::Result<Self> {
+        if self.printed {
+            let all = lint::printed_shaders(file).into_iter();
+            let same = all.map(|shader| shader.file).find(|shader| shader.name() == self.name);
+            let same = same.ok_or_else(|| anyhow::anyhow!("`{}` is not there any more", self.name))?;
+            return Ok(Self { stage: self.stage, ..with_includes(&same, &self.path, given)? });
+        }
         Ok(Self { stage: self.stage, ..with_includes(file, &self.path, given)? })
     }
 

@@ -7,12 +7,12 @@ use clap::Args;
 
 use super::check::Format;
 use super::compose::ComposeArgs;
+use super::document;
 use super::fuzz::{Inputs, all_known, subjects};
-use super::includes;
+use super::includes::{self, IncludedText};
 use super::inputs::InputArgs;
 use super::lint::{diff, write};
 use super::status::ExitStatus;
-use super::translate;
 use base::diagnostic::Lang;
 use base::text::{Shown as _, SourceFile};
 use engine::fuzz::Subject;
@@ -45,7 +45,8 @@ or by --domain. It must have both ends.
 Exit status: 0 nothing can be lower and nothing is too low, or the patch was written; 1 there is a patch, the outputs are off \
 whatever is declared, or a file does not compile; 2 usage.")]
 pub struct TuneArgs {
-    /// Shader files in GLSL ES, or in desktop GLSL with the qualifiers of 1.30
+    /// Shader files in GLSL ES, or in desktop GLSL with the qualifiers of 1.30; or documents and host code with shaders, as a
+    /// whole or at a line (`Renderer.java:12`)
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
     /// The function whose outputs count; `main` without it
@@ -131,50 +132,32 @@ pub fn run(args: &TuneArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     let mut inputs = Inputs::new(&domains);
     let mut summary = Summary { seed: args.input.seed, files: Vec::new() };
     let mut broken = false;
-    let wanted: Vec<String> = args.entry.iter().cloned().collect();
-    for path in &args.files {
-        let compose = ComposeArgs::default();
-        let mut source = includes::read(path, &args.input.reading(Some(&compose), None))?;
-        source.stage = stage.unwrap_or(source.stage);
-        anyhow::ensure!(
-            Written::of(&source.file) == Written::Glsl,
-            "`{}`: only GLSL has qualifiers of precision to tune; in WGSL declare `f16` where the report of a translation \
-             (`shadercheck translate --to glsl`) says `mediump`",
-            path.shown()
-        );
-        let own = translate::read(path)?;
-        let mut known = Vec::new();
-        let (errors, subjects) = subjects((&wanted, &args.input.define), &source, &mut known)?;
-        for error in &errors {
-            err.write_all(report::diagnostics::text(error, Lang::En, false).as_bytes())?;
-        }
-        if !errors.is_empty() {
-            broken = true;
-            continue;
-        }
-        all_known(&wanted, &known)?;
-        let subject =
-            chosen(&subjects, args.entry.as_deref()).map_err(|why| anyhow::anyhow!("`{}`: {why}", path.shown()))?;
-        let domain = inputs.domain(subject)?;
-        let parsed = source.parsed(&args.input.define);
-        let again = |file: &SourceFile| match source.changed(file, &args.input.reading(None, None)) {
-            Ok(changed) => changed.parsed(&args.input.define),
-            Err(_) => Shader::parse_with(file, source.stage, &args.input.define),
-        };
-        let report = tune::run((&parsed, &own, subject), &domain, &request, &again)
-            .map_err(|why| anyhow::anyhow!("{}: {why}", subject.at))?;
-        let mut file = FileReport { file: source.name.clone(), report, patch: None, written: false };
-        let after = file.report.after.clone();
-        if after.text() != own.text() {
-            if args.fix {
-                write::replace(path, own.text().as_bytes(), after.text().as_bytes())?;
-                file.written = true;
+    let compose = ComposeArgs::default();
+    'files: for path in &args.files {
+        let reading = args.input.reading(Some(&compose), None);
+        let count = includes::read_all(path, &reading, stage)?.len();
+        for number in 0..count {
+            // What was written for one shader of a file is there for the next.
+            let source = includes::read_all(path, &reading, stage)?.into_iter().nth(number);
+            let Some(mut source) = source else { break };
+            source.stage = stage.unwrap_or(source.stage);
+            anyhow::ensure!(
+                Written::of(&source.file) == Written::Glsl,
+                "`{}`: only GLSL has qualifiers of precision to tune; in WGSL declare `f16` where the report of a translation \
+                 (`shadercheck translate --to glsl`) says `mediump`",
+                path.shown()
+            );
+            let mut tuned = Tuned { args, request: &request, inputs: &mut inputs, err };
+            match tuned.one(&source)? {
+                Outcome::Report(file) => summary.files.push(*file),
+                Outcome::Broken => broken = true,
+                // Of several shaders those are tuned that can be.
+                Outcome::Nothing(why) if count > 1 => writeln!(err, "note: {}: {why}", source.name)?,
+                Outcome::Nothing(why) => anyhow::bail!("{why}"),
             }
-            file.patch = Some(diff::unified(&FixedFile { before: own, after }));
-        }
-        summary.files.push(file);
-        if interrupt::asked() {
-            break;
+            if interrupt::asked() {
+                break 'files;
+            }
         }
     }
     if !broken && interrupt::signal().is_none() {
@@ -191,6 +174,65 @@ pub fn run(args: &TuneArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
         None if broken || summary.files.iter().any(open) => ExitStatus::Findings,
         None => ExitStatus::Clean,
     })
+}
+
+/// What came of one shader.
+enum Outcome {
+    Report(Box<FileReport>),
+    /// It does not compile, which was told.
+    Broken,
+    /// Why there is nothing to report.
+    Nothing(String),
+}
+
+/// What the shaders of a run share.
+struct Tuned<'a, 'i> {
+    args: &'a TuneArgs,
+    request: &'a Request,
+    inputs: &'a mut Inputs<'i>,
+    err: &'a mut dyn Write,
+}
+
+impl Tuned<'_, '_> {
+    fn one(&mut self, source: &IncludedText) -> anyhow::Result<Outcome> {
+        let args = self.args;
+        let wanted: Vec<String> = args.entry.iter().cloned().collect();
+        let own = source.author()?;
+        let mut known = Vec::new();
+        let (errors, subjects) = subjects((&wanted, &args.input.define), source, &mut known)?;
+        for error in &errors {
+            self.err.write_all(report::diagnostics::text(error, Lang::En, false).as_bytes())?;
+        }
+        if !errors.is_empty() {
+            return Ok(Outcome::Broken);
+        }
+        all_known(&wanted, &known)?;
+        let subject = match chosen(&subjects, args.entry.as_deref()) {
+            Ok(subject) => subject,
+            Err(why) => return Ok(Outcome::Nothing(format!("`{}`: {why}", source.name))),
+        };
+        let domain = self.inputs.domain(subject)?;
+        let parsed = source.parsed(&args.input.define);
+        let again = |file: &SourceFile| match source.changed(file, &args.input.reading(None, None)) {
+            Ok(changed) => changed.parsed(&args.input.define),
+            Err(_) => Shader::parse_with(file, source.stage, &args.input.define),
+        };
+        let report = match tune::run((&parsed, &own, subject), &domain, self.request, &again) {
+            Ok(report) => report,
+            Err(why) => return Ok(Outcome::Nothing(format!("{}: {why}", subject.at))),
+        };
+        let mut file = FileReport { file: source.name.clone(), report, patch: None, written: false };
+        let after = file.report.after.clone();
+        if after.text() != own.text() {
+            if args.fix {
+                let path = document::file_of(&source.path);
+                write::replace(&path, own.text().as_bytes(), after.text().as_bytes())?;
+                file.written = true;
+            }
+            file.patch = Some(diff::unified(&FixedFile { before: own, after }));
+        }
+        Ok(Outcome::Report(Box::new(file)))
+    }
 }
 
 /// The function whose outputs count.

@@ -3,7 +3,7 @@
 use std::collections::{BTreeSet, HashSet};
 
 use base::text::Span;
-use syntax::{Shader, TokenPlace};
+use syntax::{Profile, Shader, TokenPlace};
 
 /// Macros with their values.
 pub type Defines = Vec<(String, String)>;
@@ -51,6 +51,31 @@ impl Conditions {
 fn is_extension(name: &str) -> bool {
     let vendors = ["ARB", "EXT", "NV", "AMD", "KHR", "OES", "ARM", "IMG", "QCOM", "INTEL", "MESA", "ATI", "APPLE"];
     vendors.iter().any(|v| name.strip_prefix("GL_").and_then(|n| n.strip_prefix(v)).is_some_and(|n| n.starts_with('_')))
+}
+
+/// What a compiler of OpenGL ES and a host for it define, where a text without a version asks for it: `GL_ES`, and names of
+/// hosts that say the same, such as `GLES` and `OPENGL_ES`.
+pub fn of_es(shader: &Shader) -> Option<Defines> {
+    let version = shader.version();
+    if shader.wgsl().is_some() || version.span.is_some() || version.profile == Profile::Es {
+        return None;
+    }
+    let Conditions { asked, defined } = Conditions::of(shader);
+    let says = |name: &String| (says_es(name) || name == "GL_FRAGMENT_PRECISION_HIGH") && !defined.contains(name);
+    let names: Vec<String> = asked.into_iter().filter(says).collect();
+    if names.is_empty() {
+        return None;
+    }
+    let of_language = |name: &String| name.starts_with("GL_");
+    let own = std::iter::once("GL_ES".to_owned()).chain(names.into_iter().filter(|name| !of_language(name)));
+    Some(own.map(|name| (name, "1".to_owned())).collect())
+}
+
+/// True for a name that a host for OpenGL ES defines.
+fn says_es(name: &str) -> bool {
+    const WORDS: [&str; 7] = ["ES", "GLES", "GLES2", "GLES3", "OPENGLES", "ESSL", "GLSLES"];
+    let macros = name.chars().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_');
+    macros && !is_extension(name) && name.split('_').any(|word| WORDS.contains(&word))
 }
 
 /// Each name as `1` by itself, and then all of them where there are several.

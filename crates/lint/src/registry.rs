@@ -126,6 +126,9 @@ pub const RULES: &[&Rule] = &[
     &glsl::mediump_epsilon::RULE,
     &glsl::mediump_digits::RULE,
     &glsl::rounding_order::RULE,
+    &glsl::mediump_square::RULE,
+    &glsl::mediump_time::RULE,
+    &glsl::mediump_position::RULE,
     // P. Cost.
     &glsl::inverse_in_shader::RULE,
     &glsl::matrix_chain_order::RULE,

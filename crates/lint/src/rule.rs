@@ -104,11 +104,14 @@ impl Rule {
     ) {
         let shaders: Vec<&ShaderFile> = project.shaders().filter(|s| s.reported).collect();
         into.par_extend(shaders.par_iter().flat_map_iter(|shader| {
+            // Precisions are those of a phone, where it reads another text than a desktop.
+            let es = rules.iter().any(|rule| rule.is_about_precisions()).then(|| shader.on_es()).flatten();
             let holds = |rule: &&&Self| shader.template.is_none() || rule.holds_for_templates();
             let on_it = rules.par_iter().with_min_len(RULES_IN_A_ROW).filter(holds).flat_map_iter(|rule| {
                 let mut found = Vec::new();
                 if !stop.load(Ordering::Relaxed) {
-                    rule.check.on_shader(shader, project, &mut Findings { rule, into: &mut found });
+                    let read = es.as_ref().filter(|_| rule.is_about_precisions()).unwrap_or(shader);
+                    rule.check.on_shader(read, project, &mut Findings { rule, into: &mut found });
                 }
                 found
             });
@@ -117,7 +120,13 @@ impl Rule {
             if stop.load(Ordering::Relaxed) {
                 return found;
             }
-            numbers_of_variants(rules, shader, project, &mut found);
+            let (of_phones, others): (Vec<_>, Vec<_>) = rules
+                .iter()
+                .copied()
+                .filter(|rule| rule.code.0.starts_with('N'))
+                .partition(|rule| es.is_some() && rule.is_about_precisions());
+            numbers_of_variants(&others, shader, project, &mut found);
+            es.iter().for_each(|es| numbers_of_variants(&of_phones, es, project, &mut found));
             found
         }));
         for rule in rules.iter().take_while(|_| !stop.load(Ordering::Relaxed)) {
@@ -170,13 +179,12 @@ fn numbers_of_variants(
     project: &Project,
     into: &mut Vec<(Level, Diagnostic)>,
 ) {
-    let rules: Vec<&&'static Rule> = rules.iter().filter(|r| r.code.0.starts_with('N')).collect();
     if rules.is_empty() {
         return;
     }
     for (variant, fresh) in shader.variants() {
         let mut found = Vec::new();
-        for rule in &rules {
+        for rule in rules {
             let mut findings = Findings { rule, into: &mut found };
             rule.check.on_shader(&variant, project, &mut findings);
         }
@@ -190,6 +198,11 @@ impl Rule {
     #[cfg(test)]
     pub(super) fn holds_for_wgsl(&self) -> bool {
         matches!(self.check, Check::Any(_) | Check::AnyWith(_))
+    }
+
+    /// True for a rule on numbers of lower precision, which only OpenGL ES has.
+    fn is_about_precisions(&self) -> bool {
+        self.name.starts_with("mediump-")
     }
 
     /// True for a rule on what a text says, and not on what it lacks: of a template, one text of many is read.

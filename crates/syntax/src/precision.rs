@@ -33,6 +33,11 @@ fn rank(precision: Precision) -> u8 {
     }
 }
 
+/// True for what may have less than the digits and the range of binary32.
+pub fn is_lower(precision: Precision) -> bool {
+    precision != Precision::High
+}
+
 fn highest(a: Option<Precision>, b: Option<Precision>) -> Option<Precision> {
     match (a, b) {
         (Some(a), Some(b)) => Some(if rank(a) >= rank(b) { a } else { b }),

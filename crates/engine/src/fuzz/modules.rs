@@ -69,7 +69,7 @@ fn subject(text: &ModuleText, values: &[(String, String)], one: Runnable, known:
             };
             Realistic::new([&kernel.invocation, &kernel.case], &guess)
         };
-        Box::new(Ready { program, kernel, executable, lowered: None, realistic })
+        Box::new(Ready { program, kernel, executable, lowered: None, realistic, far: None })
     });
     let about = known.hints.as_ref().and_then(|hints| Some(hints.about(known.function(&one.name)?)));
     let mut stated = about.unwrap_or_default();

@@ -26,6 +26,8 @@ pub struct Realistic {
     /// For the invocation and the case, in the order of the fields.
     sides: [Vec<Drawn>; 2],
     links: Vec<Link>,
+    /// What goes farther than usual, each in words.
+    far: Vec<String>,
 }
 
 /// How an input is drawn.
@@ -83,7 +85,18 @@ impl Realistic {
         };
         let sides = records.map(|record| record.fields().iter().map(one).collect());
         let links = links(records, &sides);
-        Self { sides, links }
+        Self { sides, links, far: Vec::new() }
+    }
+
+    /// The same with words for what goes farther than usual.
+    #[must_use]
+    pub fn with_far(self, far: Vec<String>) -> Self {
+        Self { far, ..self }
+    }
+
+    /// What goes farther than usual, each in words.
+    pub fn far(&self) -> &[String] {
+        &self.far
     }
 
     /// What each input is taken for where nothing is stated.

@@ -27,6 +27,8 @@ const BATCH_WORDS: usize = 1 << 22;
 const TWIN: usize = 16;
 /// Samples among which edges are sought.
 const PILOT: u64 = 512;
+/// Samples of inputs as far as they come on phones.
+const FAR: u64 = 1 << 13;
 /// One sample of so many is of the second part of a run.
 const SECOND: u64 = 4;
 /// Places that are told for one function; the rest is counted.
@@ -231,6 +233,19 @@ pub fn run(
             report.hostile += if part == Part::Hostile { count as u64 } else { 0 };
         }
     }
+    let mut far_out = None;
+    if let (true, Some(far), Some(near)) = (in_parts, &ready.far, &lowered)
+        && !interrupt::asked()
+    {
+        let count = samples.min(FAR) as usize;
+        let batch = far.batch((invocation, uniforms), domain, key, 0, count);
+        let looks = scan(&ready.executable, &ready.kernel.output.vertex, &batch);
+        far_out = Lowered::far(ready, far.far()).map(|mut lowered| {
+            lowered.look(&batch, &looks);
+            lowered.leave_out(near);
+            (lowered, far)
+        });
+    }
     if case.is_none() && !constant && !interrupt::asked() {
         let count = samples.min(PILOT) as usize;
         let pilot = match in_parts {
@@ -276,6 +291,10 @@ pub fn run(
         let standing = Standing::Counts;
         let found = lowered.findings(domain, looked.within(standing), looked.part(standing), &reproduce);
         report.findings.extend(found);
+    }
+    if let Some((lowered, far)) = far_out.filter(|_| !interrupt::asked()) {
+        let part = looked.part(Standing::Counts);
+        report.findings.extend(lowered.findings(domain, Within::Realistic(far), part, &reproduce));
     }
     report.findings.sort_by_key(|f| (f.severity, f.kind));
     Ok(report)

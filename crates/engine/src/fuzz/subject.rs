@@ -6,7 +6,7 @@ use super::realistic::Realistic;
 use super::slice::slice;
 use super::wrapper::{self, Wrapped};
 use crate::dispatch::Dispatched;
-use crate::guess::{self, Role, Usages};
+use crate::guess::{self, Guess, Role, Usages};
 use base::diagnostic::Diagnostic;
 use base::text::Span;
 use base::value::Field;
@@ -48,6 +48,8 @@ pub struct Ready {
     pub lowered: Option<Executable>,
     /// What a program would give it.
     pub realistic: Realistic,
+    /// The same as far as it comes on phones, where something is lower and that is farther.
+    pub far: Option<Realistic>,
 }
 
 impl Ready {
@@ -92,9 +94,11 @@ pub fn subjects(shader: &Shader, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Su
         let mut stated = hints.about(info);
         let dispatch = dispatched(shader, info);
         let ready = ready(shader, id, info).map(|(program, kernel, executable)| {
-            let realistic = realistic(shader, info, &usages, &kernel);
+            let own = realistic(shader, info, &usages, &kernel, false);
             let lowered = lowered(&program);
-            Box::new(Ready { program, kernel, executable, lowered, realistic })
+            let far = lowered.as_ref().map(|_| realistic(shader, info, &usages, &kernel, true));
+            let far = far.filter(|far| !far.far().is_empty());
+            Box::new(Ready { program, kernel, executable, lowered, realistic: own, far })
         });
         stated.extend(ready.iter().flat_map(|ready| numbers(ready, &ranges, &stated)).collect::<Vec<_>>());
         let parameters = info.params.iter().map(Parameter::of).collect();
@@ -114,8 +118,8 @@ pub(super) fn numbers(ready: &Ready, ranges: &[(String, u32)], stated: &[Stated]
     ranges.iter().filter(|(name, _)| reads(name) && open(name)).map(within).collect()
 }
 
-/// What the inputs of a function are taken for.
-fn realistic(shader: &Shader, info: &FunctionInfo, usages: &Usages, kernel: &Kernel) -> Realistic {
+/// What the inputs of a function are taken for; as far as they come where `far` says so.
+fn realistic(shader: &Shader, info: &FunctionInfo, usages: &Usages, kernel: &Kernel, far: bool) -> Realistic {
     let guess = |field: &Field| {
         let root = field.name.split(['.', '[']).next().unwrap_or(&field.name);
         let param = info.params.iter().find(|param| param.name.as_ref().is_some_and(|name| name.name == root));
@@ -133,7 +137,21 @@ fn realistic(shader: &Shader, info: &FunctionInfo, usages: &Usages, kernel: &Ker
         let uses = symbol.map(|symbol| usages.of_input(symbol, &field.name)).unwrap_or_default();
         (guess::with_uses(field, role, &uses), role == Role::Varying)
     };
-    Realistic::new([&kernel.invocation, &kernel.case], &guess)
+    let records = [&*kernel.invocation, &*kernel.case];
+    if !far {
+        return Realistic::new(records, &guess);
+    }
+    let mut farther = Vec::new();
+    for field in records.into_iter().flat_map(|record| record.fields()) {
+        if let Some(Guess { taken_for, range: Some([_, most]), .. }) = guess(field).0.far() {
+            farther.push(format!("`{}` for {taken_for} of up to {most}", field.name));
+        }
+    }
+    let at_most = |field: &Field| {
+        let (near, varying) = guess(field);
+        (near.far().unwrap_or(near), varying)
+    };
+    Realistic::new(records, &at_most).with_far(farther)
 }
 
 /// A variable of the interface by its name, or that of its block.

@@ -55,6 +55,18 @@ pub const SCREEN: &str = "a place on the screen";
 const TEXELS: [f64; 2] = [2.5, 5.5];
 
 impl Guess {
+    /// The same as far as it comes in a program that runs for an hour on a large screen; none where that is no farther.
+    pub fn far(&self) -> Option<Self> {
+        let range = match self.taken_for {
+            words::TIME => [0.0, 3600.0],
+            words::PIXELS => [320.0, 4096.0],
+            SCREEN if self.range != Some(TEXELS) => [0.5, 2559.5],
+            words::TEXEL => [1.0 / 4096.0, 1.0 / 256.0],
+            _ => return None,
+        };
+        Some(Self { range: Some(range), ..self.clone() })
+    }
+
     /// True where both ends of the range are values like others.
     pub fn is_closed(&self) -> bool {
         CLOSED.contains(&self.taken_for)

@@ -9,7 +9,9 @@ pub(super) const TIME: &str = "a time";
 pub(super) const SHARE: &str = "a share";
 pub(super) const SIZE: &str = "a size";
 pub(super) const ANGLE: &str = "an angle";
-const PIXELS: &str = "a number of pixels";
+pub(super) const PIXELS: &str = "a number of pixels";
+/// What the step from one texel to the next is taken for.
+pub(super) const TEXEL: &str = "the size of a texel";
 
 const DIRECTION: Guess = guess("direction", None, "a direction");
 
@@ -97,12 +99,26 @@ const WORDS: &[(&[&str], Guess)] = &[
     (&["near", "znear", "start", "mindist"], guess("interval", Some([0.0625, 0.5]), "a near distance")),
     (&["far", "zfar", "end", "maxdist"], guess("interval", Some([4.0, 64.0]), "a far distance")),
     (
-        &["resolution", "viewport", "screensize", "windowsize", "dimensions"],
+        &[
+            "resolution",
+            "viewport",
+            "screensize",
+            "windowsize",
+            "dimensions",
+            "texturesize",
+            "outputsize",
+            "inputsize",
+            "imagesize",
+            "canvassize",
+            "stagesize",
+            "viewsize",
+            "buffersize",
+        ],
         guess("interval", Some([64.0, 2048.0]), PIXELS),
     ),
     // The same as a whole number.
     (&["resolution", "viewport", "screensize", "windowsize"], guess("index", Some([64.0, 2048.0]), PIXELS)),
-    (&["texel", "texelsize", "pixelsize"], guess("interval", Some([0.000_5, 0.02]), "the size of a texel")),
+    (&["texel", "texelsize", "pixelsize"], guess("interval", Some([0.000_5, 0.02]), TEXEL)),
     (&["ior", "eta"], guess("interval", Some([1.0, 2.5]), "a refractive index")),
     (&["gamma"], guess("interval", Some([1.5, 3.0]), "an exponent of a display")),
     (

@@ -6,6 +6,7 @@ mod emission;
 mod forms;
 mod names;
 mod numeric;
+mod pixels;
 #[cfg(test)]
 mod testing;
 mod variable;
@@ -73,6 +74,9 @@ pub(super) mod max_vertices_too_small;
 pub(super) mod maybe_uninitialised_read;
 pub(super) mod mediump_digits;
 pub(super) mod mediump_epsilon;
+pub(super) mod mediump_position;
+pub(super) mod mediump_square;
+pub(super) mod mediump_time;
 pub(super) mod missing_barrier;
 pub(super) mod missing_end_primitive;
 pub(super) mod missing_homogeneous_divide;

@@ -17,7 +17,7 @@ use crate::host::{Embedded, HostFile, Literal};
 use crate::prelude::{self, Between, Wanted};
 use crate::range::Observed;
 use crate::rule::Level;
-use crate::{conditions, context, script, variants, version};
+use crate::{conditions, context, es, script, variants, version};
 
 /// Readings of one text with names defined at most.
 const MOST_VARIANTS: usize = 3;
@@ -158,10 +158,11 @@ impl ShaderFile {
         let mut found = Vec::new();
         let input = Input::new(self.shader.file().clone()).with_reported(self.reported);
         let sets = if open.is_empty() { Vec::new() } else { conditions::definitions(&self.shader) };
-        for defines in sets {
+        for mut defines in sets {
             if open.is_empty() || found.len() == MOST_VARIANTS {
                 break;
             }
+            defines.extend(self.shader.defines().iter().cloned());
             let parsed = Shader::parse_with(self.shader.file(), self.shader.stage(), &defines);
             let still: HashSet<usize> = inactive(&parsed.shader).iter().map(|s| s.start).collect();
             let (left, fresh): (Vec<Span>, Vec<Span>) = open.into_iter().partition(|s| still.contains(&s.start));
@@ -171,6 +172,15 @@ impl ShaderFile {
             }
         }
         found
+    }
+
+    /// The same text as a phone reads it, where that is another text: `GL_ES` is defined, and precisions have a meaning.
+    pub fn on_es(&self) -> Option<Self> {
+        if !self.conditional || self.file.text().len() > LONGEST_VARIED {
+            return None;
+        }
+        let parsed = es::parsed(&self.shader)?;
+        Some(Self::read(&Input::new(self.shader.file().clone()).with_reported(self.reported), parsed))
     }
 
     fn doubtful_of(shader: &Shader, found: &[Diagnostic]) -> Vec<(Code, Span)> {

@@ -6,6 +6,9 @@ use super::language::{Form, Language};
 use super::token::{Token, closing};
 use crate::host::Literal;
 
+/// Tokens of a value that stands between two strings.
+const LONGEST_VALUE: usize = 24;
+
 /// Stands for what a template fills in.
 const FILLED_IN: &str = "filled_in";
 
@@ -50,7 +53,8 @@ pub fn modules(file: &SourceFile, tokens: &[Token<'_>], places: &[Span]) -> Vec<
             Form::Template => (!template(&mut literal, file, inner, true)?).then_some(())?,
             Form::RawTemplate | Form::Braces | Form::Character => return None,
         }
-        let chain = Chain { start: at, end: at + 1, parts: vec![at], between: "", partial: false };
+        let chain =
+            Chain { start: at, end: at + 1, parts: vec![at], between: "", behind_value: Vec::new(), partial: false };
         Some(Text { literal, place, names: names(file, tokens, &chain), partial: false })
     };
     tokens.iter().enumerate().filter_map(whole).collect()
@@ -87,6 +91,8 @@ struct Chain {
     parts: Vec<usize>,
     /// What stands between them.
     between: &'static str,
+    /// Strings behind a value that is no string and joined to them.
+    behind_value: Vec<usize>,
     /// True when something else is joined to them.
     partial: bool,
 }
@@ -113,12 +119,12 @@ fn list(tokens: &[Token<'_>], start: usize, file: &SourceFile) -> Option<Chain> 
         "" => "",
         _ => return None,
     };
-    Some(Chain { start: start - 1, end: at + 6, parts, between, partial: false })
+    Some(Chain { start: start - 1, end: at + 6, parts, between, behind_value: Vec::new(), partial: false })
 }
 
-/// `"…" + "…"`, and in Python `"…" "…"`.
+/// `"…" + "…"`, and in Python `"…" "…"`; between them values may stand: `"…" + COUNT + "…"`.
 fn sum(tokens: &[Token<'_>], start: usize, language: Language) -> Chain {
-    let (mut parts, mut end) = (vec![start], start + 1);
+    let (mut parts, mut behind_value, mut end) = (vec![start], Vec::new(), start + 1);
     let is_string = |at: usize| matches!(tokens.get(at), Some(Token::String { .. }));
     let is_plus = |at: usize| matches!(tokens.get(at), Some(Token::Mark('+')));
     loop {
@@ -128,12 +134,37 @@ fn sum(tokens: &[Token<'_>], start: usize, language: Language) -> Chain {
         } else if is_plus(end) && is_string(end + 1) {
             parts.push(end + 1);
             end += 2;
+        } else if is_plus(end)
+            && let Some(next) = behind_value_at(tokens, end + 1)
+        {
+            parts.push(next);
+            behind_value.push(next);
+            end = next + 1;
         } else {
             break;
         }
     }
-    let partial = is_plus(end) || start.checked_sub(1).is_some_and(is_plus);
-    Chain { start, end, parts, between: "", partial }
+    let partial = is_plus(end) || start.checked_sub(1).is_some_and(is_plus) || !behind_value.is_empty();
+    Chain { start, end, parts, between: "", behind_value, partial }
+}
+
+/// The string behind a value and a `+`: a name, a member, a call, or something in parentheses without a string.
+fn behind_value_at(tokens: &[Token<'_>], start: usize) -> Option<usize> {
+    let mut depth = 0_usize;
+    for at in start..tokens.len().min(start + LONGEST_VALUE) {
+        match tokens[at] {
+            Token::Mark('(' | '[') => depth += 1,
+            Token::Mark(')' | ']') => depth = depth.checked_sub(1)?,
+            Token::Mark('+') if depth == 0 && at > start => {
+                return matches!(tokens.get(at + 1), Some(Token::String { .. })).then_some(at + 1);
+            }
+            Token::Mark('.') => {}
+            Token::Mark(_) if depth > 0 => {}
+            Token::Word(_) => {}
+            _ => return None,
+        }
+    }
+    None
 }
 
 fn text(file: &SourceFile, tokens: &[Token<'_>], chain: &Chain, language: Language) -> Option<Text> {
@@ -146,8 +177,12 @@ fn text(file: &SourceFile, tokens: &[Token<'_>], chain: &Chain, language: Langua
     let mut place: Option<Span> = None;
     for &part in &chain.parts {
         let Token::String { place: whole, inner, form } = tokens[part] else { return None };
-        if place.is_some() {
-            literal.made(chain.between, Span::at(inner.start));
+        if let Some(before) = place {
+            if chain.behind_value.contains(&part) {
+                literal.made(stand_in(&literal.text), Span::new(before.end, whole.start));
+            } else {
+                literal.made(chain.between, Span::at(inner.start));
+            }
         }
         place = Some(place.map_or(whole, |p: Span| p.to(whole)));
         let later = language == Language::Python && formatted == Formatted::No && has_double_braces(file.slice(inner));
@@ -166,6 +201,12 @@ fn text(file: &SourceFile, tokens: &[Token<'_>], chain: &Chain, language: Langua
     }
     let hooks = hooks(&mut literal)?;
     Some(Text { literal, place: place?, names: names(file, tokens, chain), partial: partial || hooks })
+}
+
+/// What stands for a value in a text: a name inside of an expression, and nothing where lines are put together.
+fn stand_in(before: &str) -> &'static str {
+    let text = before.trim_end_matches([' ', '\t']);
+    if text.is_empty() || text.ends_with([';', '}', '{', '\n', '\r']) { " " } else { FILLED_IN }
 }
 
 /// What is filled into a text.

@@ -159,3 +159,25 @@ fn data_with_quoted_texts_is_no_shader() {
     assert!(found("a.rs", &format!("const ISF: &str = r#\"{json}\"#;")).is_empty());
     assert!(found("a.js", &format!("const isf = '{json}';")).is_empty());
 }
+
+#[test]
+fn values_between_strings_leave_one_text() {
+    let vertex = |value: &str, precision: &str| {
+        format!(
+            "class A {{\n  final static double DIV = 1.0 / Other.SCALE;\n  private final static String vs = \"\"\n    + \
+             \"precision {precision} float;\"\n    + \"attribute vec4 vertex;\"\n    + \"const float scale = \" + {value} + \
+             \";\"\n    + \"void main() {{\"\n    + \" gl_Position = vec4(mod(vertex.x, 2.0) * scale);\"\n    + \"}}\";\n}}\n"
+        )
+    };
+    for value in ["DIV", "Other.div(2, 3)", "(1.0 / SIZE)"] {
+        let text = vertex(value, "mediump");
+        assert_eq!(found("A.java", &text), [("A.java#vs".to_owned(), Stage::Vertex, true)], "{text}");
+        assert_eq!(reported("A.java", &text), ["N041 A.java:8:28"], "{text}");
+        assert_eq!(reported("A.java", &vertex(value, "highp")), [""; 0]);
+    }
+    // Lines that are put in front are lines.
+    let common =
+        "const fs = 'precision highp float;\\n' + common.noise + 'void main() { gl_FragColor = vec4(1.0); }';\n";
+    assert_eq!(found("a.js", common), [("a.js#fs".to_owned(), Stage::Fragment, true)]);
+    assert_eq!(reported("a.js", common), [""; 0]);
+}

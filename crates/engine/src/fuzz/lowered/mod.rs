@@ -71,13 +71,26 @@ pub struct Lowered<'a> {
     executable: &'a Executable,
     looked: u64,
     groups: HashMap<(Harm, usize), Group>,
+    /// What inputs are taken for beyond what is usual.
+    far: &'a [String],
 }
 
 impl<'a> Lowered<'a> {
     /// None for a function in which nothing is lower.
     pub fn new(ready: &'a Ready) -> Option<Self> {
         let executable = ready.lowered.as_ref()?;
-        Some(Self { ready, executable, looked: 0, groups: HashMap::new() })
+        Some(Self { ready, executable, looked: 0, groups: HashMap::new(), far: &[] })
+    }
+
+    /// The same for inputs that go as far as `far` says.
+    pub fn far(ready: &'a Ready, far: &'a [String]) -> Option<Self> {
+        Some(Self { far, ..Self::new(ready)? })
+    }
+
+    /// Leaves out what another look found.
+    pub fn leave_out(&mut self, known: &Self) {
+        // What is lost only far out is more than a loss of digits.
+        self.groups.retain(|key, group| known.groups.get(key).is_none_or(|known| group.lost && !known.lost));
     }
 
     /// Looks at the samples of a batch that are in no trouble in binary32.
@@ -112,7 +125,7 @@ impl<'a> Lowered<'a> {
         part: Part,
         reproduce: &dyn Fn(&Sample) -> String,
     ) -> Vec<Finding> {
-        let Self { ready, executable, looked, groups } = self;
+        let Self { ready, executable, looked, groups, far } = self;
         let stated = domain.invocation.iter().chain(&domain.case).any(super::domain::InputDomain::is_stated);
         let many = MANY[usize::from(!stated)];
         let mut groups: Vec<Group> =
@@ -145,7 +158,10 @@ impl<'a> Lowered<'a> {
                 severity: if stated { Severity::Finding } else { Severity::Warning },
                 part,
                 cause: Some(kind(harmed.harm).name().replace('_', " ")),
-                message: message(&harmed, &output),
+                message: match far {
+                    [] => message(&harmed, &output),
+                    far => format!("{} (taken: {})", message(&harmed, &output), far.join(", ")),
+                },
                 place: place(&ready.program, executable, Some(harmed.event.site)),
                 lane: None,
                 count: group.count,

@@ -1,16 +1,22 @@
 //! N041: a whole part, fraction or remainder of a number that has no such digits at `mediump`.
 
-use crate::project::ShaderFile;
+use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use std::collections::HashMap;
+
 use base::diagnostic::{Code, Message, Severity, message};
+use base::text::Span;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
 use syntax::interface::Storage;
-use syntax::precision::Precisions;
+use syntax::precision::{Precisions, is_lower};
 use syntax::symbols::{SymbolId, SymbolKind};
 use syntax::types::Type;
 use syntax::{Const, Shader, Stage};
 
 use super::forms::builtin;
+use super::numeric::bare;
+use super::pixels::{self, Pixels, Unit};
+use super::walk::declarators;
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -19,23 +25,35 @@ pub const RULE: Rule = Rule {
     severity: Severity::Warning,
     level: Level::Default,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
-    check: Check::Shader(check),
+    check: Check::ShaderWith(check),
 };
 
-fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
+/// A factor beyond which a number between 0 and 1 has no fraction left.
+const NO_FRACTION: f32 = 2048.0;
+
+fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
     let shader = &file.shader;
     if !shader.has_precisions() {
         return;
     }
     let precisions = Precisions::of(shader);
     let initial = Initial::of(shader);
+    let pixels = Pixels::of(shader, &pixels::before(file, project));
     let whole = ["fract", "floor", "ceil", "mod", "round", "trunc"];
     let mut found = Vec::new();
     for (id, expr) in shader.arena().iter() {
         let ExprKind::Call { args, .. } = &expr.kind else { continue };
         let Some(first) = args.first().copied() else { continue };
-        let what = if builtin(shader, id, &whole).is_some() && precisions.is_lowered(first) {
-            large(shader, &initial, first, 0).or_else(|| packed(shader, id, args))
+        found.extend(scaled_back(shader, &precisions, &pixels, id));
+        let takes_digits = builtin(shader, id, &whole).is_some();
+        let what = if takes_digits && !precisions.is_lowered(first) {
+            // What is computed at `highp` has no more digits than what it is computed from.
+            large(shader, &initial, first, 0).filter(|_| from_lowered(shader, &initial, &precisions, first, 0))
+        } else if takes_digits {
+            large(shader, &initial, first, 0)
+                .or_else(|| packed(shader, id, args))
+                .or_else(|| scaled(shader, id, first))
+                .or_else(|| counted(&pixels, first))
         } else {
             depth(shader, &precisions, id, first)
         };
@@ -75,9 +93,12 @@ impl Initial {
                 all.push((symbol, *value));
             }
         }
-        for (id, symbol) in shader.symbols() {
-            all.extend(symbol.initializer.map(|value| (id, value)));
-        }
+        let places: HashMap<usize, SymbolId> =
+            shader.symbols().filter_map(|(id, symbol)| Some((symbol.span?.start, id))).collect();
+        declarators(shader, |one| {
+            let value = one.initializer.as_ref().map(|value| value.value);
+            all.extend(places.get(&one.name.span.start).copied().zip(value));
+        });
         Self(all)
     }
 
@@ -197,6 +218,87 @@ fn packed(shader: &Shader, id: ExprId, args: &[ExprId]) -> Option<Message> {
     ))
 }
 
+/// `fract(x * 43758.5)`: of a number as large as that no digit behind the point is left.
+fn scaled(shader: &Shader, id: ExprId, first: ExprId) -> Option<Message> {
+    builtin(shader, id, &["fract"])?;
+    let ExprKind::Binary { op: BinaryOp::Mul, left, right, .. } = shader.expr(bare(shader, first)).kind else {
+        return None;
+    };
+    let factor = |id| match shader.fold(id)? {
+        Const::Float(value) => Some(value.abs()).filter(|value| *value >= NO_FRACTION),
+        _ => None,
+    };
+    let value = factor(left).xor(factor(right))?;
+    Some(message!(
+        "the fraction is taken of a number times {value} at `mediump`, which has none beyond 1024",
+        "{value} 倍した数の小数部を `mediump` で求めていますが、1024 を超えると小数部はありません"
+    ))
+}
+
+/// A number that counts pixels, by what it is computed with.
+fn counted(pixels: &Pixels<'_>, id: ExprId) -> Option<Message> {
+    let Unit::Known(1, seed) = pixels.unit(id) else { return None };
+    pixels.varies(id).then_some(())?;
+    let seed = pixels.seed(seed)?;
+    let name = &seed.name;
+    Some(if seed.along {
+        message!(
+            "the fraction or remainder is taken at `mediump` of a length along a line, as `{name}` is one",
+            "`{name}` から線に沿った長さとみなせる数の小数部や剰余を `mediump` で求めています"
+        )
+    } else {
+        message!(
+            "the fraction or whole part is taken at `mediump` of a number of pixels, as `{name}` is one",
+            "`{name}` から画素数とみなせる数の小数部や整数部を `mediump` で求めています"
+        )
+    })
+}
+
+/// `width - length(p / size) * size` at an edge of one pixel: what was rounded beside 1 becomes as large as the size.
+fn scaled_back(shader: &Shader, precisions: &Precisions, pixels: &Pixels<'_>, id: ExprId) -> Option<(Span, Message)> {
+    let (_, far) = pixels.edge_of(id)?;
+    let mut at = bare(shader, far);
+    if let Some(value) = shader.symbol_of(at).and_then(|symbol| pixels.initial(symbol).next()) {
+        at = bare(shader, value);
+    }
+    let (_, size) = pixels.scaled_back(at).filter(|_| precisions.is_lowered(at))?;
+    let size = shader.text_of(size);
+    Some((
+        shader.expr(at).span,
+        message!(
+            "a distance between shares is multiplied by `{size}` at `mediump`: its step grows to `{size}` / 1024 at an edge of one pixel",
+            "割合どうしの距離を `mediump` で `{size}` 倍しています。1 画素の縁で刻みが `{size}` / 1024 になります"
+        ),
+    ))
+}
+
+/// True where a value of `highp` is computed from an input of the stage that is of lower precision itself, or from a quotient
+/// that is computed so, such as the step from one texel to the next.
+fn from_lowered(shader: &Shader, initial: &Initial, precisions: &Precisions, id: ExprId, depth: usize) -> bool {
+    if depth > 8 {
+        return false;
+    }
+    match &shader.expr(id).kind {
+        ExprKind::Name(_) => shader.symbol_of(id).is_some_and(|symbol| match shader.symbol(symbol).kind {
+            SymbolKind::Global(Storage::In) => {
+                shader.stage() == Stage::Fragment && precisions.of_symbol(symbol).is_some_and(is_lower)
+            }
+            SymbolKind::Local => initial
+                .of_symbol(symbol)
+                .is_some_and(|value| from_lowered(shader, initial, precisions, value, depth + 1)),
+            _ => false,
+        }),
+        ExprKind::Call { .. } if !matches!(shader.callee(id), Some(syntax::symbols::CallTarget::Constructor(_))) => {
+            false
+        }
+        _ => shader
+            .expr(id)
+            .children()
+            .into_iter()
+            .any(|child| from_lowered(shader, initial, precisions, child, depth + 1)),
+    }
+}
+
 fn attribute(shader: &Shader, id: ExprId) -> Option<SymbolId> {
     match &shader.expr(id).kind {
         ExprKind::Name(_) => {
@@ -268,6 +370,14 @@ mod tests {
         assert_eq!(fragment(mediump, "gl_FragColor = vec4(fract(floor(uv.x * OutputSize.x) * -0.5));"), 1);
         assert_eq!(fragment(mediump, "gl_FragColor = vec4(floor(uv.x / texelSize.x));"), 1);
         assert_eq!(fragment(mediump, "gl_FragColor = texture2D(sceneDepth, uv);"), 1);
+        assert_eq!(fragment(mediump, "vec2 p = gl_FragCoord.xy; gl_FragColor = vec4(mod(p.x, 2.0));"), 1);
+        assert_eq!(
+            fragment(mediump, "gl_FragColor = vec4(floor(OutputSize.x / 200.0));"),
+            0,
+            "one number for all pixels"
+        );
+        let noise = "gl_FragColor = vec4(fract(sin(dot(uv, vec2(12.9898, 78.233))) * 43758.5453));";
+        assert_eq!((fragment(mediump, noise), fragment("precision highp float;", noise)), (1, 0));
         assert_eq!(fragment(mediump, "gl_FragColor = vec4(fract(uv.x * 4.0));"), 0, "a small number");
         assert_eq!(fragment(mediump, "gl_FragColor = vec4(uv.x * OutputSize.x);"), 0, "no fraction is taken");
     }
@@ -278,6 +388,46 @@ mod tests {
         assert_eq!(fragment(highp, "gl_FragColor = vec4(floor(uv.x * OutputSize.x));"), 0);
         assert_eq!(fragment(highp, "gl_FragColor = texture2D(sceneDepth, uv);"), 0);
         assert_eq!(fragment("#version 120", "gl_FragColor = vec4(floor(uv.x * OutputSize.x));"), 0);
+        let varying = |p: &str| {
+            let text = format!(
+                "precision highp float;\nuniform vec2 OutputSize;\nvarying {p} vec2 uv;\n\
+                 void main() {{ vec2 t = uv * OutputSize; gl_FragColor = vec4(floor(t.x)); }}\n"
+            );
+            found("a.frag", &text)
+        };
+        assert_eq!((varying("mediump"), varying("highp")), (1, 0), "the input has no such digits");
+        let step = |p: &str| {
+            let text = format!(
+                "precision highp float;\nuniform {p} vec2 TextureSize;\nvarying vec2 uv;\n\
+                 void main() {{ vec2 texelSize = 1.0 / TextureSize; gl_FragColor = vec4(floor(uv.x / texelSize.x)); }}\n"
+            );
+            found("a.frag", &text)
+        };
+        assert_eq!((step("mediump"), step("highp")), (1, 0), "the step has no such digits");
+    }
+
+    #[test]
+    fn lengths_along_lines_and_scaled_distances_are_found() {
+        let dashes = |p: &str| {
+            let text = format!(
+                "#ifdef GLES\nprecision {p} float;\n#endif\nattribute vec2 a_len;\nattribute vec2 a_p;\nuniform float u_s;\n\
+                 varying vec2 v_st;\nvoid main() {{ v_st = vec2(a_len.x / u_s, 1.0); gl_Position = vec4(a_p, 0.0, 1.0); }}\n$$\n\
+                 #ifdef GLES\nprecision {p} float;\n#endif\nvarying vec2 v_st;\n\
+                 void main() {{ gl_FragColor = vec4(mod(v_st.s, 2.0)); }}\n"
+            );
+            found("line.glsl", &text)
+        };
+        assert_eq!((dashes("mediump"), dashes("highp")), (1, 0));
+        let scaled = |p: &str, scale: &str| {
+            let text = format!(
+                "precision {p} float;\nuniform vec4 u_ends;\nuniform float u_lineThickness;\nvarying vec2 v;\nvoid main() {{\n\
+                 float size = max(1.0, abs(u_ends.z - u_ends.x));\nvec2 p = (v - u_ends.xy){scale};\n\
+                 float far = length(p) * size;\ngl_FragColor = vec4(clamp(u_lineThickness * 0.5 - far, 0.0, 1.0));\n\
+                 vec2 at = v / u_viewportSize - u_ends.xy / u_viewportSize;\ngl_FragColor.r += at.x;\n}}\n"
+            );
+            found("a.frag", &text.replace("uniform vec4 u_ends;", "uniform vec4 u_ends;\nuniform vec2 u_viewportSize;"))
+        };
+        assert_eq!((scaled("mediump", " / size"), scaled("highp", " / size"), scaled("mediump", "")), (1, 0, 0));
     }
 
     #[test]

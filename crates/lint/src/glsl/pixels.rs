@@ -1,0 +1,653 @@
+//! Which numbers of a shader count pixels: those that are added to, compared with or divided by a size in pixels.
+//!
+//! Each number has a power of pixels: 1 for a place on the screen, 2 for a square of one, -1 for the step from one texel to
+//! the next, 0 for a share. They follow from uniforms whose names say that they are sizes, from `gl_FragCoord`, and from an
+//! edge of one pixel; nothing is known of the rest.
+
+use std::collections::{BTreeMap, HashMap};
+
+use crate::project::{Project, ShaderFile};
+use syntax::ast::{BinaryOp, ExprId, ExprKind, UnaryOp};
+use syntax::interface::Storage;
+use syntax::symbols::{CallTarget, SymbolId, SymbolKind};
+use syntax::types::{ScalarType, Type};
+use syntax::{Shader, Stage};
+
+use super::forms::builtin;
+use super::names;
+use super::numeric::{bare, constant};
+use super::walk::declarators;
+
+/// Rounds in which what is known of one number is handed to others.
+const ROUNDS: usize = 8;
+/// Expressions beyond which nothing is sought.
+const MOST: usize = 1 << 14;
+
+/// What is known of a number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Unit {
+    /// A constant: it fits everything.
+    Free,
+    /// A power of pixels, and the number of what it follows from.
+    Known(i32, usize),
+    Unknown,
+}
+
+use Unit::{Free, Known, Unknown};
+
+/// What a power of pixels follows from.
+#[derive(Clone, Debug)]
+pub struct Seed {
+    /// The name of a variable.
+    pub name: String,
+    /// It is a length along a line, in whatever it is measured.
+    pub along: bool,
+}
+
+/// Powers of what one stage hands on to the next, and of uniforms, by name; true for lengths along a line.
+pub type HandedOn = BTreeMap<String, (i32, bool)>;
+
+/// Powers of pixels of the variables of a shader.
+pub struct Pixels<'s> {
+    shader: &'s Shader,
+    of: HashMap<SymbolId, (i32, usize)>,
+    /// What everything follows from.
+    seeds: Vec<Seed>,
+    /// Values that variables are declared with.
+    initial: Vec<(SymbolId, ExprId)>,
+    /// Variables of which two things are said.
+    torn: Vec<SymbolId>,
+}
+
+impl<'s> Pixels<'s> {
+    /// Works out what is known. `before` has powers that the stage before gives to inputs, by name.
+    pub fn of(shader: &'s Shader, before: &HandedOn) -> Self {
+        let mut this = Self { shader, of: HashMap::new(), seeds: Vec::new(), initial: Vec::new(), torn: Vec::new() };
+        if shader.arena().len() > MOST {
+            return this;
+        }
+        for (id, symbol) in shader.symbols() {
+            let outside = match symbol.kind {
+                SymbolKind::Global(Storage::Uniform) | SymbolKind::BlockMember(_) => {
+                    said(&symbol.name).map(|power| (power, false)).or_else(|| before.get(&symbol.name).copied())
+                }
+                SymbolKind::Global(Storage::In) => {
+                    let attribute = shader.stage() == Stage::Vertex;
+                    let along = is_along(&symbol.name, attribute).then_some((1, true));
+                    before.get(&symbol.name).copied().or(along)
+                }
+                SymbolKind::Builtin if symbol.name == "gl_FragCoord" => Some((1, false)),
+                _ => None,
+            };
+            if let Some((power, along)) = outside.filter(|_| is_real(&symbol.ty)) {
+                this.of.insert(id, (power, this.seeds.len()));
+                this.seeds.push(Seed { name: symbol.name.clone(), along });
+            }
+        }
+        let places: HashMap<usize, SymbolId> =
+            shader.symbols().filter_map(|(id, symbol)| Some((symbol.span?.start, id))).collect();
+        declarators(shader, |one| {
+            if let (Some(symbol), Some(value)) = (places.get(&one.name.span.start), &one.initializer) {
+                this.initial.push((*symbol, value.value));
+            }
+        });
+        for _ in 0..ROUNDS {
+            let known = this.of.len();
+            this.round();
+            if this.of.len() == known {
+                break;
+            }
+        }
+        this
+    }
+
+    /// What a value that is known follows from.
+    pub fn seed(&self, number: usize) -> Option<&Seed> {
+        self.seeds.get(number)
+    }
+
+    /// Powers of the variables that a stage hands on, and of uniforms, by name.
+    pub fn handed_on(&self) -> HandedOn {
+        let out = |symbol: &SymbolId| {
+            matches!(self.shader.symbol(*symbol).kind, SymbolKind::Global(Storage::Out | Storage::Uniform))
+        };
+        let known = self.of.iter().filter(|(symbol, _)| out(symbol));
+        known
+            .map(|(symbol, (power, seed))| (self.shader.symbol(*symbol).name.clone(), (*power, self.is_along(*seed))))
+            .collect()
+    }
+
+    fn is_along(&self, seed: usize) -> bool {
+        self.seed(seed).is_some_and(|seed| seed.along)
+    }
+
+    /// The values that a variable is given.
+    pub fn initial(&self, symbol: SymbolId) -> impl Iterator<Item = ExprId> + '_ {
+        self.initial.iter().filter(move |(of, _)| *of == symbol).map(|(_, value)| *value)
+    }
+
+    fn round(&mut self) {
+        for k in 0..self.initial.len() {
+            let (symbol, value) = self.initial[k];
+            match (self.of.get(&symbol).copied(), self.unit(value)) {
+                (None, Known(power, seed)) => self.set(symbol, power, seed),
+                (Some((power, seed)), Unknown) => self.push(value, power, seed),
+                _ => {}
+            }
+        }
+        for (id, expr) in self.shader.arena().iter() {
+            match &expr.kind {
+                ExprKind::Assign { op: None | Some(BinaryOp::Add | BinaryOp::Sub), target, value, .. } => {
+                    self.meet(*target, *value);
+                }
+                ExprKind::Assign { op: Some(op @ (BinaryOp::Mul | BinaryOp::Div)), target, value, .. } => {
+                    let away = if *op == BinaryOp::Mul { -1 } else { 1 };
+                    if let (Unknown, Known(power, seed)) = (self.unit(*target), self.unit(*value))
+                        && power == away
+                    {
+                        self.push(*target, 1, seed);
+                    }
+                }
+                ExprKind::Binary { op, left, right, .. } => match op {
+                    BinaryOp::Add
+                    | BinaryOp::Sub
+                    | BinaryOp::Less
+                    | BinaryOp::Greater
+                    | BinaryOp::LessEqual
+                    | BinaryOp::GreaterEqual => self.meet(*left, *right),
+                    BinaryOp::Div => {
+                        if let (Unknown, Known(1, seed)) = (self.unit(*left), self.unit(*right)) {
+                            self.push(*left, 1, seed);
+                        }
+                    }
+                    _ => {}
+                },
+                ExprKind::Ternary { yes, no, .. } => self.meet(*yes, *no),
+                ExprKind::Call { args, .. } => {
+                    if builtin(self.shader, id, &["min", "max", "clamp", "mix", "distance"]).is_some() {
+                        args.windows(2).take(2).for_each(|pair| self.meet(pair[0], pair[1]));
+                    }
+                    self.edge(id);
+                    self.parameters(id, args);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// A coverage: half a width less a distance, between 0 and 1, is an edge of one pixel.
+    fn edge(&mut self, id: ExprId) {
+        let Some((name, far)) = self.edge_of(id) else { return };
+        if self.unit(far) == Unknown {
+            let seed = self.seeds.len();
+            self.seeds.push(Seed { name, along: false });
+            self.push(far, 1, seed);
+        }
+    }
+
+    /// The distance at an edge of one pixel, and the name of the width that it is subtracted from.
+    pub fn edge_of(&self, id: ExprId) -> Option<(String, ExprId)> {
+        let shader = self.shader;
+        let is = |id: ExprId, value: f64| constant(shader, id) == Some(value);
+        let inner = match builtin(shader, id, &["clamp", "min", "max"]) {
+            Some(("clamp", [value, low, high])) if is(*low, 0.0) && is(*high, 1.0) => *value,
+            Some(("min", [value, high])) if is(*high, 1.0) => match builtin(shader, *value, &["max"]) {
+                Some((_, [value, low])) if is(*low, 0.0) => *value,
+                _ => return None,
+            },
+            Some(("max", [value, low])) if is(*low, 0.0) => *value,
+            _ => return None,
+        };
+        let ExprKind::Binary { op: BinaryOp::Sub, left, right, .. } = shader.expr(bare(shader, inner)).kind else {
+            return None;
+        };
+        let name = super::walk::expressions(shader, left).into_iter().find_map(|part| {
+            let name = names::of(shader, part)?;
+            (constant(shader, part).is_none() && names::has_word(name, &["width", "thickness", "radius", "half"]))
+                .then(|| name.to_owned())
+        })?;
+        self.is_distance(right, 0).then_some((name, right))
+    }
+
+    /// True for a distance, the smallest of several, and a variable that is one.
+    pub fn is_distance(&self, id: ExprId, depth: usize) -> bool {
+        let shader = self.shader;
+        if depth > 4 {
+            return false;
+        }
+        let id = bare(shader, id);
+        match builtin(shader, id, &["length", "distance", "min", "max"]) {
+            Some(("length" | "distance", _)) => true,
+            Some((_, args)) => args.iter().any(|arg| self.is_distance(*arg, depth + 1)),
+            None if self.scaled_back(id).is_some() => true,
+            None => shader
+                .symbol_of(id)
+                .is_some_and(|symbol| self.initial(symbol).any(|value| self.is_distance(value, depth + 1))),
+        }
+    }
+
+    /// The distance of a product of one and a number of pixels, and that number: `length(p / size) * size`.
+    pub fn scaled_back(&self, id: ExprId) -> Option<(ExprId, ExprId)> {
+        let ExprKind::Binary { op: BinaryOp::Mul, left, right, .. } = self.shader.expr(bare(self.shader, id)).kind
+        else {
+            return None;
+        };
+        let is = |far: ExprId, size: ExprId| {
+            let far_is_share =
+                builtin(self.shader, far, &["length", "distance"]).is_some() && !matches!(self.unit(far), Known(1, _));
+            (far_is_share && matches!(self.unit(size), Known(1, _))).then_some((far, size))
+        };
+        is(left, right).or_else(|| is(right, left))
+    }
+
+    /// Parameters of a function have what its calls give them, where all give the same.
+    fn parameters(&mut self, id: ExprId, args: &[ExprId]) {
+        let Some(CallTarget::User(function)) = self.shader.callee(id) else { return };
+        let params = &self.shader.function_info(*function).params;
+        for (arg, param) in args.iter().zip(params) {
+            let Some(symbol) = param.symbol.filter(|_| is_real(&param.ty)) else { continue };
+            match (self.unit(*arg), self.of.get(&symbol).copied()) {
+                (Known(power, seed), None) if !self.torn.contains(&symbol) => self.set(symbol, power, seed),
+                (Known(power, _), Some((other, _))) if power != other => {
+                    self.torn.push(symbol);
+                    self.of.remove(&symbol);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn set(&mut self, symbol: SymbolId, power: i32, seed: usize) {
+        let info = self.shader.symbol(symbol);
+        if is_real(&info.ty) && info.value.is_none() && !self.torn.contains(&symbol) && power.abs() <= 4 {
+            self.of.entry(symbol).or_insert((power, seed));
+        }
+    }
+
+    /// Two values that are of one unit.
+    fn meet(&mut self, a: ExprId, b: ExprId) {
+        match (self.unit(a), self.unit(b)) {
+            (Known(power, seed), Unknown) => self.push(b, power, seed),
+            (Unknown, Known(power, seed)) => self.push(a, power, seed),
+            _ => {}
+        }
+    }
+
+    /// What a value of this power is computed from.
+    fn push(&mut self, id: ExprId, power: i32, seed: usize) {
+        let shader = self.shader;
+        match &shader.expr(id).kind {
+            ExprKind::Name(_) => {
+                if let Some(symbol) = shader.symbol_of(id) {
+                    self.set(symbol, power, seed);
+                }
+            }
+            ExprKind::Paren(inner)
+            | ExprKind::Index { base: inner, .. }
+            | ExprKind::Unary { op: UnaryOp::Plus | UnaryOp::Minus, operand: inner, .. } => {
+                self.push(*inner, power, seed);
+            }
+            ExprKind::Field { base, .. } if matches!(shader.type_of(*base), Type::Vector(..)) => {
+                self.push(*base, power, seed);
+            }
+            ExprKind::Binary { op: BinaryOp::Add | BinaryOp::Sub, left, right, .. } => {
+                for side in [*left, *right].into_iter().filter(|side| constant(shader, *side).is_none()) {
+                    self.push(side, power, seed);
+                }
+            }
+            ExprKind::Binary { op: BinaryOp::Mul, left, right, .. } => match (self.unit(*left), self.unit(*right)) {
+                (Free, _) => self.push(*right, power, seed),
+                (_, Free) => self.push(*left, power, seed),
+                (Known(own, _), Unknown) => self.push(*right, power - own, seed),
+                (Unknown, Known(own, _)) => self.push(*left, power - own, seed),
+                _ => {}
+            },
+            ExprKind::Binary { op: BinaryOp::Div, left, right, .. } => match (self.unit(*left), self.unit(*right)) {
+                (_, Free) => self.push(*left, power, seed),
+                (_, Known(own, _)) => self.push(*left, power + own, seed),
+                _ => {}
+            },
+            ExprKind::Ternary { yes, no, .. } => {
+                self.push(*yes, power, seed);
+                self.push(*no, power, seed);
+            }
+            ExprKind::Call { args, .. } => {
+                let keeps = ["abs", "floor", "ceil", "min", "max", "clamp", "length", "distance", "mix"];
+                let constructs = matches!(shader.callee(id), Some(CallTarget::Constructor(_)));
+                let of_one = builtin(shader, id, &keeps).map(|(name, _)| if name == "mix" { 2 } else { 3 });
+                let several = if constructs { Some(args.len()) } else { of_one };
+                for arg in args.iter().take(several.unwrap_or(0)) {
+                    if constant(shader, *arg).is_none() {
+                        self.push(*arg, power, seed);
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// What is known of an expression.
+    pub fn unit(&self, id: ExprId) -> Unit {
+        let shader = self.shader;
+        if constant(shader, id).is_some() {
+            return Free;
+        }
+        match &shader.expr(id).kind {
+            ExprKind::Literal(_) => Free,
+            ExprKind::Name(_) => match shader.symbol_of(id) {
+                Some(symbol) => match self.of.get(&symbol) {
+                    Some((power, seed)) => Known(*power, *seed),
+                    None if shader.symbol(symbol).value.is_some() => Free,
+                    None => Unknown,
+                },
+                None => Unknown,
+            },
+            ExprKind::Paren(inner)
+            | ExprKind::Index { base: inner, .. }
+            | ExprKind::Unary { op: UnaryOp::Plus | UnaryOp::Minus, operand: inner, .. } => self.unit(*inner),
+            ExprKind::Field { base, field } => self.part(*base, &field.name),
+            ExprKind::Binary { op: BinaryOp::Sub, left, right, .. }
+                if self.is_rest(*left, *right) || self.is_rest(*right, *left) =>
+            {
+                Unknown
+            }
+            ExprKind::Binary { op: BinaryOp::Add | BinaryOp::Sub, left, right, .. } => {
+                one_of([self.unit(*left), self.unit(*right)])
+            }
+            ExprKind::Binary { op: BinaryOp::Mul, left, right, .. } => {
+                match (self.unit(*left), self.unit(*right)) {
+                    (Known(a, seed), Known(b, _)) => Known(a + b, seed),
+                    (Known(a, seed), Free) | (Free, Known(a, seed)) => Known(a, seed),
+                    (Free, Free) => Free,
+                    // A share of a size.
+                    (Known(1, seed), Unknown) if self.is_size(*left) && self.varies(*right) => Known(1, seed),
+                    (Unknown, Known(1, seed)) if self.is_size(*right) && self.varies(*left) => Known(1, seed),
+                    // A length in other units.
+                    (Known(1, seed), Unknown) if self.is_along(seed) && !self.varies(*right) => Known(1, seed),
+                    (Unknown, Known(1, seed)) if self.is_along(seed) && !self.varies(*left) => Known(1, seed),
+                    _ => Unknown,
+                }
+            }
+            ExprKind::Binary { op: BinaryOp::Div, left, right, .. } => match (self.unit(*left), self.unit(*right)) {
+                (Known(a, seed), Known(b, _)) => Known(a - b, seed),
+                (Known(a, seed), Free) => Known(a, seed),
+                (Free, Known(b, seed)) => Known(-b, seed),
+                (Free, Free) => Free,
+                (Unknown, Known(-1, seed)) if self.is_size(*right) && self.varies(*left) => Known(1, seed),
+                (Known(1, seed), Unknown) if self.is_along(seed) && !self.varies(*right) => Known(1, seed),
+                _ => Unknown,
+            },
+            ExprKind::Ternary { yes, no, .. } => one_of([self.unit(*yes), self.unit(*no)]),
+            ExprKind::Assign { op: None, value, .. } => self.unit(*value),
+            ExprKind::Call { args, .. } => self.call(id, args),
+            _ => Unknown,
+        }
+    }
+
+    fn call(&self, id: ExprId, args: &[ExprId]) -> Unit {
+        let shader = self.shader;
+        if matches!(shader.callee(id), Some(CallTarget::Constructor(_))) {
+            return one_of(args.iter().map(|arg| self.unit(*arg)));
+        }
+        let names = [
+            "abs",
+            "floor",
+            "ceil",
+            "round",
+            "trunc",
+            "min",
+            "max",
+            "clamp",
+            "mix",
+            "mod",
+            "length",
+            "distance",
+            "dot",
+            "pow",
+            "sqrt",
+            "inversesqrt",
+            "normalize",
+            "sign",
+            "step",
+            "smoothstep",
+            "fract",
+            "sin",
+            "cos",
+        ];
+        let Some((name, args)) = builtin(shader, id, &names) else { return Unknown };
+        let first = args.first().map_or(Unknown, |arg| self.unit(*arg));
+        match (name, first) {
+            ("min" | "max" | "clamp" | "distance", _) => one_of(args.iter().map(|arg| self.unit(*arg))),
+            ("mix", _) => one_of(args.iter().take(2).map(|arg| self.unit(*arg))),
+            ("dot", Known(a, seed)) => match args.get(1).map(|arg| self.unit(*arg)) {
+                Some(Known(b, _)) => Known(a + b, seed),
+                _ => Unknown,
+            },
+            ("pow", Known(a, seed)) if args.get(1).and_then(|e| constant(shader, *e)) == Some(2.0) => {
+                Known(2 * a, seed)
+            }
+            ("sqrt", Known(a, seed)) if a % 2 == 0 => Known(a / 2, seed),
+            ("inversesqrt", Known(a, seed)) if a % 2 == 0 => Known(-a / 2, seed),
+            ("normalize" | "sign" | "step" | "smoothstep" | "fract" | "sin" | "cos", Known(_, seed)) => Known(0, seed),
+            ("abs" | "floor" | "ceil" | "round" | "trunc" | "mod" | "length", known) => known,
+            _ => Unknown,
+        }
+    }
+
+    /// Components of a vector. One of four that is called a size has the step from one texel to the next beside it.
+    fn part(&self, base: ExprId, field: &str) -> Unit {
+        let whole = self.unit(base);
+        let Type::Vector(_, size) = self.shader.type_of(base) else { return Unknown };
+        let Known(power, seed) = whole else { return whole };
+        let last = field.chars().all(|c| "zwbapq".contains(c));
+        match (names::of(self.shader, base), last && *size == 4) {
+            (Some("gl_FragCoord"), true) => Unknown,
+            (Some(_), true) if self.is_size(base) => Known(-power, seed),
+            _ => whole,
+        }
+    }
+
+    /// `x - clamp(x, …)`, `x - floor(x)`, and the same with a variable for the second: what is left is small.
+    fn is_rest(&self, left: ExprId, right: ExprId) -> bool {
+        let shader = self.shader;
+        let text = shader.text_of(bare(shader, left));
+        let mut at = bare(shader, right);
+        for _ in 0..4 {
+            at = match &shader.expr(at).kind {
+                ExprKind::Name(_) => match shader.symbol_of(at).and_then(|symbol| self.initial(symbol).next()) {
+                    Some(value) => bare(shader, value),
+                    None => return false,
+                },
+                ExprKind::Field { base, .. } => bare(shader, *base),
+                ExprKind::Binary { op: BinaryOp::Add | BinaryOp::Sub, left, right, .. }
+                    if constant(shader, *right).is_some() =>
+                {
+                    bare(shader, *left)
+                }
+                _ => break,
+            };
+        }
+        if builtin(shader, at, &["floor", "round", "ceil", "trunc"]).is_some() {
+            return true;
+        }
+        let cut = builtin(shader, at, &["clamp", "min", "max"]);
+        cut.is_some_and(|(_, args)| args.iter().any(|arg| shader.text_of(bare(shader, *arg)) == text))
+    }
+
+    /// True for a uniform whose name says that it is a size in pixels, or a step.
+    fn is_size(&self, id: ExprId) -> bool {
+        let shader = self.shader;
+        match &shader.expr(bare(shader, id)).kind {
+            ExprKind::Name(name) => said(name).is_some() && shader.symbol_of(id).is_none_or(|s| self.is_uniform(s)),
+            ExprKind::Field { base, .. } => self.is_size(*base),
+            _ => false,
+        }
+    }
+
+    fn is_uniform(&self, symbol: SymbolId) -> bool {
+        matches!(self.shader.symbol(symbol).kind, SymbolKind::Global(Storage::Uniform) | SymbolKind::BlockMember(_))
+    }
+
+    /// True for what is computed from what a stage gets for each vertex or pixel.
+    pub fn varies(&self, id: ExprId) -> bool {
+        let shader = self.shader;
+        match &shader.expr(id).kind {
+            ExprKind::Name(_) => shader.symbol_of(id).is_some_and(|symbol| {
+                matches!(
+                    shader.symbol(symbol).kind,
+                    SymbolKind::Global(Storage::In | Storage::Out) | SymbolKind::Local | SymbolKind::Param(_)
+                )
+            }),
+            _ => shader.expr(id).children().into_iter().any(|child| self.varies(child)),
+        }
+    }
+}
+
+/// Powers of what the vertex stage of the same program hands on to a fragment stage, by name.
+pub fn before(file: &ShaderFile, project: &Project) -> HandedOn {
+    if file.shader.stage() != Stage::Fragment {
+        return HandedOn::new();
+    }
+    let Some(vertex) = vertex_of(file, project) else { return HandedOn::new() };
+    let defines = file.shader.defines();
+    let same = vertex.shader.defines() == defines;
+    let again = (!same).then(|| vertex.shader.with_defines(defines));
+    let shader = again.as_ref().map_or(&vertex.shader, |parsed| &parsed.shader);
+    Pixels::of(shader, &HandedOn::new()).handed_on()
+}
+
+/// The vertex stage that stands in the same file, or in one of the same name beside it; in host code the only one that hands on
+/// all that this stage takes.
+fn vertex_of<'p>(file: &ShaderFile, project: &'p Project) -> Option<&'p ShaderFile> {
+    let name = file.file.name();
+    let is = |shader: &&ShaderFile| shader.file.name() == name;
+    let vertex = |shaders: Vec<&'p ShaderFile>| {
+        let mut all = shaders.into_iter().filter(|shader| shader.shader.stage() == Stage::Vertex);
+        all.next().filter(|_| all.next().is_none())
+    };
+    if let Some(section) = project.sections().into_iter().find(|section| section.iter().any(|s| is(s))) {
+        return vertex(section);
+    }
+    let Some(origin) = &file.origin else { return vertex(project.shaders_beside(name)) };
+    let of_host =
+        |shader: &&ShaderFile| shader.origin.as_ref().is_some_and(|other| other.host.name() == origin.host.name());
+    let feeds = |shader: &&ShaderFile| {
+        let own = &shader.shader.interface().outputs;
+        file.shader.interface().inputs.iter().all(|input| own.iter().any(|output| output.name == input.name))
+    };
+    vertex(project.shaders().filter(of_host).filter(|s| s.shader.stage() == Stage::Vertex).filter(feeds).collect())
+}
+
+/// True for the name of a length along a line: of an attribute by its words, of other inputs by what is said of lines alone.
+fn is_along(name: &str, attribute: bool) -> bool {
+    let words = names::words(name);
+    let plain: String = words.concat();
+    let said = ["linedistance", "linesofar", "linelength", "arclength", "pathlength", "distancealong", "lengthalong"];
+    let word = |word: &String| {
+        let word = word.trim_end_matches(|c: char| c.is_ascii_digit());
+        ["len", "length", "distance", "dist"].contains(&word)
+    };
+    said.iter().any(|said| plain.contains(said)) || attribute && words.iter().any(word)
+}
+
+/// What values have of which each is what the others are; constants fit all.
+fn one_of(units: impl IntoIterator<Item = Unit>) -> Unit {
+    let join = |a: Unit, b: Unit| match (a, b) {
+        (Free, other) | (other, Free) => other,
+        (Known(x, seed), Known(y, _)) if x == y => Known(x, seed),
+        _ => Unknown,
+    };
+    units.into_iter().reduce(join).unwrap_or(Unknown)
+}
+
+/// The power of pixels that the name of a uniform says.
+fn said(name: &str) -> Option<i32> {
+    let words = names::words(name);
+    let plain: String = words.concat();
+    let has = |all: &[&str]| all.iter().any(|word| plain.contains(word));
+    let of = [
+        "screen", "window", "canvas", "stage", "texture", "image", "output", "input", "source", "buffer", "render",
+        "display", "view",
+    ];
+    let steps = [
+        "texelsize",
+        "pixelsize",
+        "onepixel",
+        "invsize",
+        "sizeinv",
+        "invresolution",
+        "resolutioninv",
+        "rcpframe",
+        "inverseresolution",
+        "inversesize",
+        "texelstep",
+        "onetexel",
+    ];
+    if has(&steps) {
+        return Some(-1);
+    }
+    if has(&["inv", "rcp", "pixel", "texel", "scale", "ratio", "aspect", "point", "offset", "matrix", "min", "max"]) {
+        return None;
+    }
+    let size =
+        has(&["resolution", "viewport", "dimensions"]) || has(&["size", "dimension", "width", "height"]) && has(&of);
+    size.then_some(1)
+}
+
+fn is_real(ty: &Type) -> bool {
+    let mut ty = ty;
+    while let Type::Array(inner, _) = ty {
+        ty = inner;
+    }
+    matches!(ty, Type::Scalar(_) | Type::Vector(..)) && ty.scalar() == Some(ScalarType::Float)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use base::text::SourceFile;
+    use syntax::Stage;
+
+    /// The power of the expression that the variable `x` is declared with.
+    fn power(body: &str) -> Option<i32> {
+        let text = format!(
+            "uniform vec2 u_resolution;\nuniform vec4 OutputSize;\nuniform vec2 u_texelSize;\nuniform float u_width;\n\
+             uniform vec2 a, b;\nvarying vec2 uv;\nvoid main() {{ {body} gl_FragColor = vec4(x); }}\n"
+        );
+        let parsed = Shader::parse(&SourceFile::new("a.frag", text), Stage::Fragment);
+        assert!(parsed.diagnostics.is_empty(), "{:?}", parsed.diagnostics);
+        let pixels = Pixels::of(&parsed.shader, &HandedOn::new());
+        let (symbol, _) = parsed.shader.symbols().find(|(_, symbol)| symbol.name == "x").unwrap();
+        let value = pixels.initial(symbol).next().unwrap();
+        match pixels.unit(value) {
+            Known(power, _) => Some(power),
+            _ => None,
+        }
+    }
+
+    #[test]
+    fn powers_of_pixels_follow_from_names_and_operations() {
+        assert_eq!(power("float x = length(gl_FragCoord.xy - a);"), Some(1));
+        assert_eq!(power("vec2 p = gl_FragCoord.xy / u_resolution; float x = dot(p, p);"), Some(0));
+        assert_eq!(power("vec2 d = gl_FragCoord.xy - a; float x = dot(d, d);"), Some(2));
+        assert_eq!(
+            power("float s = 1.0 / max(1.0, abs(a.x)); vec2 d = (gl_FragCoord.xy - a) * s; float x = dot(d, d);"),
+            Some(0)
+        );
+        assert_eq!(power("vec2 p = uv * OutputSize.xy; float x = p.x;"), Some(1));
+        assert_eq!(power("vec2 p = uv * OutputSize.zw; float x = p.x;"), None);
+        assert_eq!(power("vec2 p = uv / u_texelSize; float x = p.y;"), Some(1));
+        assert_eq!(power("float x = distance(uv, a);"), None, "nothing says what these are");
+        assert_eq!(power("float x = gl_FragCoord.z;"), None);
+    }
+
+    #[test]
+    fn what_is_compared_with_a_size_is_one() {
+        assert_eq!(power("gl_FragColor.rg = a / u_resolution; float x = dot(a - b, a - b);"), Some(2));
+        assert_eq!(power("float x = distance(uv, a); gl_FragColor.a = clamp(u_width * 0.5 - x, 0.0, 1.0);"), Some(1));
+        assert_eq!(power("float x = gl_FragCoord.x - clamp(gl_FragCoord.x, 0.0, u_width);"), None, "a small rest");
+        let rest =
+            "vec2 p = uv * u_resolution; float line = floor(p.y) + 0.5; float dy = p.y - line; float x = dy * dy;";
+        assert_eq!(power(rest), None, "a part of a pixel");
+    }
+}
