@@ -175,11 +175,12 @@ impl Run<'_> {
             command: format!("shadercheck improve {}", shell_word(&self.source.given)),
         };
         let mut report = FileReport { file: self.source.name.clone(), ..FileReport::default() };
-        if let Some(why) = improve::refused(shader) {
-            report.not_run.extend(subjects.iter().map(|subject| (subject.label.clone(), why.to_owned())));
-            return Ok(Some(report));
-        }
+        let halves = improve::halves(shader);
         for subject in &subjects {
+            if halves.contains(&subject.name) {
+                report.not_run.push((subject.label.clone(), improve::OF_HALVES.to_owned()));
+                continue;
+            }
             if let Err(why) = &subject.ready {
                 report.not_run.push((subject.label.clone(), why.clone()));
                 continue;

@@ -100,8 +100,16 @@ fn vectors_of_glsl_get_better_formulas() {
 
 #[test]
 fn halves_are_left_alone_and_told() {
-    let ran = improved("halves.wgsl").0.expect(0);
-    assert!(ran.out.contains("`step_of` was not looked at: it has numbers of `f16`"), "{}", ran.out);
+    let ran = improved("halves.wgsl --function half_of").0.expect(0);
+    assert!(ran.out.contains("`half_of` was not looked at: it has numbers of `f16`"), "{}", ran.out);
+}
+
+#[test]
+fn what_has_no_halves_is_improved_beside_them() {
+    let ran = improved("mixed.wgsl").0.expect(1);
+    assert!(ran.out.contains("`scaled` was not looked at: it has numbers of `f16`"), "{}", ran.out);
+    assert!(!ran.out.contains("`step_of` was not looked at"), "{}", ran.out);
+    assert!(ran.out.contains("1.0 / (sqrt(x + 1.0) + sqrt(x))"), "{}", ran.out);
 }
 
 #[test]

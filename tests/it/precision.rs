@@ -134,3 +134,26 @@ fn a_device_that_was_not_told_of_precise_is_no_miscompiler() {
     assert!(ran.out.contains("`precise` is lost") && ran.out.contains("naga"), "{}", ran.out);
     assert!(!ran.out.contains("miscompilation"), "{}", ran.out);
 }
+
+#[test]
+fn a_time_and_a_screen_are_taken_as_far_as_they_come_on_phones() {
+    let fuzzed = |name: &str| run(&format!("fuzz fixtures/precision/{name} --lane embedded --samples 4096"));
+    let ran = fuzzed("clock.frag").expect(0);
+    assert!(ran.out.contains("digits are lost at `mediump`"), "{}", ran.out);
+    assert!(ran.out.contains("(taken: `u_time` for a time of up to 3600)"), "{}", ran.out);
+    let ran = fuzzed("phone.frag").expect(0);
+    assert!(
+        ran.out.contains("overflow at `mediump`") && ran.out.contains("a place on the screen of up to"),
+        "{}",
+        ran.out
+    );
+    assert!(ran.err.contains("asks for OpenGL ES"), "{}", ran.err);
+    // The twin states `highp`.
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["clock.frag", "phone.frag"] {
+        let text = fs::read_to_string(crate::binary::root().join("fixtures/precision").join(name)).unwrap();
+        fs::write(folder.path().join(name), text.replace("mediump", "highp")).unwrap();
+        let ran = run_in(folder.path(), &format!("fuzz {name} --lane embedded --samples 4096")).expect(0);
+        assert!(!ran.out.contains("mediump"), "{}", ran.out);
+    }
+}

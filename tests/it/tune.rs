@@ -142,3 +142,30 @@ fn coordinates_of_large_textures_stay_highp() {
     let patch = large["files"][0]["patch"].as_str().unwrap();
     assert!(!patch.contains("#version"), "{patch}");
 }
+
+#[test]
+fn shaders_in_host_code_and_behind_a_mark_are_tuned_in_their_file() {
+    let domain = "--domain v_at=[-300,300] --format json";
+    for (name, written) in [("Line.java", "highp float far"), ("line.glsl", "highp float far")] {
+        let (ran, folder) = tuned(&format!("{name} {domain} --fix"));
+        let report = ran.expect(0).json();
+        let all = report["files"].as_array().unwrap();
+        let fragment = all.last().unwrap();
+        let declarations = fragment["declarations"].as_array().unwrap();
+        let far = declarations.iter().find(|one| one["what"] == "far").unwrap_or_else(|| panic!("{name}: {report}"));
+        assert_eq!(far["may_be"], "highp", "{name}: {report}");
+        let text = fs::read_to_string(folder.path().join(name)).unwrap();
+        let own = fs::read_to_string(root().join("fixtures/tune").join(name)).unwrap();
+        let changed = text.contains(written) || text.contains("precision highp float;");
+        assert!(changed && text != own, "{name}: {text}");
+        assert_eq!(text.lines().count(), own.lines().count(), "{name}: nothing else is changed: {text}");
+    }
+}
+
+#[test]
+fn a_text_that_asks_for_opengl_es_is_tuned_as_a_phone_reads_it() {
+    let report = tuned("line.glsl --domain v_at=[-300,300] --format json").0.expect(1).json();
+    let files = report["files"].as_array().unwrap();
+    let at = files.last().unwrap()["declarations"].as_array().unwrap();
+    assert!(at.iter().any(|one| one["now"] == "mediump"), "{report}");
+}

@@ -169,6 +169,7 @@ pub const RULES: &[&Rule] = &[
     &glsl::missing_precision_es::RULE,
     &glsl::extension_not_enabled::RULE,
     &glsl::per_vertex_redeclared::RULE,
+    &glsl::misspelt_macro::RULE,
     // WGSL.
     &wgsl::non_uniform_control_flow::RULE,
     &wgsl::atomic_in_read_only_storage::RULE,

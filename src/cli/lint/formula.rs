@@ -78,9 +78,7 @@ fn proposals(path: &Path, file: &SourceFile, lines: &BTreeSet<usize>) -> anyhow:
     let Some(shader) = module.as_ref().and_then(|module| module.tree()).or(parsed.as_ref()) else {
         return Ok(Vec::new());
     };
-    if improve::refused(shader).is_some() {
-        return Ok(Vec::new());
-    }
+    let halves = improve::halves(shader);
     // What is run is made ready, which takes a while: only functions around the lines.
     let here = |info: &syntax::symbols::FunctionInfo| {
         let item = info.definition.and_then(|item| shader.unit().items.get(item));
@@ -91,6 +89,7 @@ fn proposals(path: &Path, file: &SourceFile, lines: &BTreeSet<usize>) -> anyhow:
     };
     let names: Vec<String> =
         shader.functions().filter(|(_, info)| here(info)).map(|(_, info)| info.name.name.clone()).collect();
+    let names: Vec<String> = names.into_iter().filter(|name| !halves.contains(name)).collect();
     let Some(profile) = by_name(PROFILE) else { return Ok(Vec::new()) };
     let lane = embedded::open()?;
     let lanes: [&dyn Lane; 1] = [lane.as_ref()];

@@ -6,6 +6,7 @@
 //! ```
 
 mod algebra;
+mod halves;
 mod lower;
 mod places;
 mod plot;
@@ -28,6 +29,7 @@ use points::Drawer;
 use syntax::Shader;
 use syntax::real::Reals;
 
+pub use halves::halves;
 pub use lower::Leaf;
 pub use plot::Plot;
 pub use points::InputRange;
@@ -145,12 +147,8 @@ pub struct Proposal {
     pub plot: Plot,
 }
 
-/// Why nothing is looked for in a shader, where that is so.
-pub fn refused(shader: &Shader) -> Option<&'static str> {
-    let halves = shader.wgsl().is_some()
-        && syntax::wgsl::tokens(shader.file().text()).iter().any(|token| shader.file().slice(token.span) == "f16");
-    halves.then_some("it has numbers of `f16`, and what formulas lose is measured in binary32")
-}
+/// Why nothing is looked for in a function of these [halves].
+pub const OF_HALVES: &str = "it has numbers of `f16`, and what formulas lose is measured in binary32";
 
 /// Looks for better formulas in one function of a shader, whose author's file is `file`. `again` reads a changed file in
 /// the way of the first and gives its functions of that label.

@@ -6,6 +6,9 @@ mod emission;
 mod forms;
 mod names;
 mod numeric;
+mod pixel_names;
+mod pixel_stages;
+mod pixel_units;
 mod pixels;
 #[cfg(test)]
 mod testing;
@@ -84,6 +87,7 @@ pub(super) mod missing_layout;
 pub(super) mod missing_or_late_version;
 pub(super) mod missing_precision_es;
 pub(super) mod missing_return;
+pub(super) mod misspelt_macro;
 pub(super) mod mix_ends_swapped;
 pub(super) mod mix_t_range;
 pub(super) mod nan_test_removed;

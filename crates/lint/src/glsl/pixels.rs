@@ -6,7 +6,6 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use crate::project::{Project, ShaderFile};
 use syntax::ast::{BinaryOp, ExprId, ExprKind, UnaryOp};
 use syntax::interface::Storage;
 use syntax::symbols::{CallTarget, SymbolId, SymbolKind};
@@ -16,6 +15,7 @@ use syntax::{Shader, Stage};
 use super::forms::builtin;
 use super::names;
 use super::numeric::{bare, constant};
+use super::pixel_names::{is_along, said};
 use super::walk::declarators;
 
 /// Rounds in which what is known of one number is handed to others.
@@ -49,8 +49,8 @@ pub type HandedOn = BTreeMap<String, (i32, bool)>;
 
 /// Powers of pixels of the variables of a shader.
 pub struct Pixels<'s> {
-    shader: &'s Shader,
-    of: HashMap<SymbolId, (i32, usize)>,
+    pub(super) shader: &'s Shader,
+    pub(super) of: HashMap<SymbolId, (i32, usize)>,
     /// What everything follows from.
     seeds: Vec<Seed>,
     /// Values that variables are declared with.
@@ -91,6 +91,9 @@ impl<'s> Pixels<'s> {
                 this.initial.push((*symbol, value.value));
             }
         });
+        // What is left of a number of pixels is a part of one, whatever it is divided by later.
+        let rests = this.initial.iter().filter(|(_, value)| this.is_left_over(*value));
+        this.torn = rests.map(|(symbol, _)| *symbol).collect();
         for _ in 0..ROUNDS {
             let known = this.of.len();
             this.round();
@@ -117,7 +120,7 @@ impl<'s> Pixels<'s> {
             .collect()
     }
 
-    fn is_along(&self, seed: usize) -> bool {
+    pub(super) fn is_along(&self, seed: usize) -> bool {
         self.seed(seed).is_some_and(|seed| seed.along)
     }
 
@@ -325,273 +328,6 @@ impl<'s> Pixels<'s> {
             _ => {}
         }
     }
-
-    /// What is known of an expression.
-    pub fn unit(&self, id: ExprId) -> Unit {
-        let shader = self.shader;
-        if constant(shader, id).is_some() {
-            return Free;
-        }
-        match &shader.expr(id).kind {
-            ExprKind::Literal(_) => Free,
-            ExprKind::Name(_) => match shader.symbol_of(id) {
-                Some(symbol) => match self.of.get(&symbol) {
-                    Some((power, seed)) => Known(*power, *seed),
-                    None if shader.symbol(symbol).value.is_some() => Free,
-                    None => Unknown,
-                },
-                None => Unknown,
-            },
-            ExprKind::Paren(inner)
-            | ExprKind::Index { base: inner, .. }
-            | ExprKind::Unary { op: UnaryOp::Plus | UnaryOp::Minus, operand: inner, .. } => self.unit(*inner),
-            ExprKind::Field { base, field } => self.part(*base, &field.name),
-            ExprKind::Binary { op: BinaryOp::Sub, left, right, .. }
-                if self.is_rest(*left, *right) || self.is_rest(*right, *left) =>
-            {
-                Unknown
-            }
-            ExprKind::Binary { op: BinaryOp::Add | BinaryOp::Sub, left, right, .. } => {
-                one_of([self.unit(*left), self.unit(*right)])
-            }
-            ExprKind::Binary { op: BinaryOp::Mul, left, right, .. } => {
-                match (self.unit(*left), self.unit(*right)) {
-                    (Known(a, seed), Known(b, _)) => Known(a + b, seed),
-                    (Known(a, seed), Free) | (Free, Known(a, seed)) => Known(a, seed),
-                    (Free, Free) => Free,
-                    // A share of a size.
-                    (Known(1, seed), Unknown) if self.is_size(*left) && self.varies(*right) => Known(1, seed),
-                    (Unknown, Known(1, seed)) if self.is_size(*right) && self.varies(*left) => Known(1, seed),
-                    // A length in other units.
-                    (Known(1, seed), Unknown) if self.is_along(seed) && !self.varies(*right) => Known(1, seed),
-                    (Unknown, Known(1, seed)) if self.is_along(seed) && !self.varies(*left) => Known(1, seed),
-                    _ => Unknown,
-                }
-            }
-            ExprKind::Binary { op: BinaryOp::Div, left, right, .. } => match (self.unit(*left), self.unit(*right)) {
-                (Known(a, seed), Known(b, _)) => Known(a - b, seed),
-                (Known(a, seed), Free) => Known(a, seed),
-                (Free, Known(b, seed)) => Known(-b, seed),
-                (Free, Free) => Free,
-                (Unknown, Known(-1, seed)) if self.is_size(*right) && self.varies(*left) => Known(1, seed),
-                (Known(1, seed), Unknown) if self.is_along(seed) && !self.varies(*right) => Known(1, seed),
-                _ => Unknown,
-            },
-            ExprKind::Ternary { yes, no, .. } => one_of([self.unit(*yes), self.unit(*no)]),
-            ExprKind::Assign { op: None, value, .. } => self.unit(*value),
-            ExprKind::Call { args, .. } => self.call(id, args),
-            _ => Unknown,
-        }
-    }
-
-    fn call(&self, id: ExprId, args: &[ExprId]) -> Unit {
-        let shader = self.shader;
-        if matches!(shader.callee(id), Some(CallTarget::Constructor(_))) {
-            return one_of(args.iter().map(|arg| self.unit(*arg)));
-        }
-        let names = [
-            "abs",
-            "floor",
-            "ceil",
-            "round",
-            "trunc",
-            "min",
-            "max",
-            "clamp",
-            "mix",
-            "mod",
-            "length",
-            "distance",
-            "dot",
-            "pow",
-            "sqrt",
-            "inversesqrt",
-            "normalize",
-            "sign",
-            "step",
-            "smoothstep",
-            "fract",
-            "sin",
-            "cos",
-        ];
-        let Some((name, args)) = builtin(shader, id, &names) else { return Unknown };
-        let first = args.first().map_or(Unknown, |arg| self.unit(*arg));
-        match (name, first) {
-            ("min" | "max" | "clamp" | "distance", _) => one_of(args.iter().map(|arg| self.unit(*arg))),
-            ("mix", _) => one_of(args.iter().take(2).map(|arg| self.unit(*arg))),
-            ("dot", Known(a, seed)) => match args.get(1).map(|arg| self.unit(*arg)) {
-                Some(Known(b, _)) => Known(a + b, seed),
-                _ => Unknown,
-            },
-            ("pow", Known(a, seed)) if args.get(1).and_then(|e| constant(shader, *e)) == Some(2.0) => {
-                Known(2 * a, seed)
-            }
-            ("sqrt", Known(a, seed)) if a % 2 == 0 => Known(a / 2, seed),
-            ("inversesqrt", Known(a, seed)) if a % 2 == 0 => Known(-a / 2, seed),
-            ("normalize" | "sign" | "step" | "smoothstep" | "fract" | "sin" | "cos", Known(_, seed)) => Known(0, seed),
-            ("abs" | "floor" | "ceil" | "round" | "trunc" | "mod" | "length", known) => known,
-            _ => Unknown,
-        }
-    }
-
-    /// Components of a vector. One of four that is called a size has the step from one texel to the next beside it.
-    fn part(&self, base: ExprId, field: &str) -> Unit {
-        let whole = self.unit(base);
-        let Type::Vector(_, size) = self.shader.type_of(base) else { return Unknown };
-        let Known(power, seed) = whole else { return whole };
-        let last = field.chars().all(|c| "zwbapq".contains(c));
-        match (names::of(self.shader, base), last && *size == 4) {
-            (Some("gl_FragCoord"), true) => Unknown,
-            (Some(_), true) if self.is_size(base) => Known(-power, seed),
-            _ => whole,
-        }
-    }
-
-    /// `x - clamp(x, …)`, `x - floor(x)`, and the same with a variable for the second: what is left is small.
-    fn is_rest(&self, left: ExprId, right: ExprId) -> bool {
-        let shader = self.shader;
-        let text = shader.text_of(bare(shader, left));
-        let mut at = bare(shader, right);
-        for _ in 0..4 {
-            at = match &shader.expr(at).kind {
-                ExprKind::Name(_) => match shader.symbol_of(at).and_then(|symbol| self.initial(symbol).next()) {
-                    Some(value) => bare(shader, value),
-                    None => return false,
-                },
-                ExprKind::Field { base, .. } => bare(shader, *base),
-                ExprKind::Binary { op: BinaryOp::Add | BinaryOp::Sub, left, right, .. }
-                    if constant(shader, *right).is_some() =>
-                {
-                    bare(shader, *left)
-                }
-                _ => break,
-            };
-        }
-        if builtin(shader, at, &["floor", "round", "ceil", "trunc"]).is_some() {
-            return true;
-        }
-        let cut = builtin(shader, at, &["clamp", "min", "max"]);
-        cut.is_some_and(|(_, args)| args.iter().any(|arg| shader.text_of(bare(shader, *arg)) == text))
-    }
-
-    /// True for a uniform whose name says that it is a size in pixels, or a step.
-    fn is_size(&self, id: ExprId) -> bool {
-        let shader = self.shader;
-        match &shader.expr(bare(shader, id)).kind {
-            ExprKind::Name(name) => said(name).is_some() && shader.symbol_of(id).is_none_or(|s| self.is_uniform(s)),
-            ExprKind::Field { base, .. } => self.is_size(*base),
-            _ => false,
-        }
-    }
-
-    fn is_uniform(&self, symbol: SymbolId) -> bool {
-        matches!(self.shader.symbol(symbol).kind, SymbolKind::Global(Storage::Uniform) | SymbolKind::BlockMember(_))
-    }
-
-    /// True for what is computed from what a stage gets for each vertex or pixel.
-    pub fn varies(&self, id: ExprId) -> bool {
-        let shader = self.shader;
-        match &shader.expr(id).kind {
-            ExprKind::Name(_) => shader.symbol_of(id).is_some_and(|symbol| {
-                matches!(
-                    shader.symbol(symbol).kind,
-                    SymbolKind::Global(Storage::In | Storage::Out) | SymbolKind::Local | SymbolKind::Param(_)
-                )
-            }),
-            _ => shader.expr(id).children().into_iter().any(|child| self.varies(child)),
-        }
-    }
-}
-
-/// Powers of what the vertex stage of the same program hands on to a fragment stage, by name.
-pub fn before(file: &ShaderFile, project: &Project) -> HandedOn {
-    if file.shader.stage() != Stage::Fragment {
-        return HandedOn::new();
-    }
-    let Some(vertex) = vertex_of(file, project) else { return HandedOn::new() };
-    let defines = file.shader.defines();
-    let same = vertex.shader.defines() == defines;
-    let again = (!same).then(|| vertex.shader.with_defines(defines));
-    let shader = again.as_ref().map_or(&vertex.shader, |parsed| &parsed.shader);
-    Pixels::of(shader, &HandedOn::new()).handed_on()
-}
-
-/// The vertex stage that stands in the same file, or in one of the same name beside it; in host code the only one that hands on
-/// all that this stage takes.
-fn vertex_of<'p>(file: &ShaderFile, project: &'p Project) -> Option<&'p ShaderFile> {
-    let name = file.file.name();
-    let is = |shader: &&ShaderFile| shader.file.name() == name;
-    let vertex = |shaders: Vec<&'p ShaderFile>| {
-        let mut all = shaders.into_iter().filter(|shader| shader.shader.stage() == Stage::Vertex);
-        all.next().filter(|_| all.next().is_none())
-    };
-    if let Some(section) = project.sections().into_iter().find(|section| section.iter().any(|s| is(s))) {
-        return vertex(section);
-    }
-    let Some(origin) = &file.origin else { return vertex(project.shaders_beside(name)) };
-    let of_host =
-        |shader: &&ShaderFile| shader.origin.as_ref().is_some_and(|other| other.host.name() == origin.host.name());
-    let feeds = |shader: &&ShaderFile| {
-        let own = &shader.shader.interface().outputs;
-        file.shader.interface().inputs.iter().all(|input| own.iter().any(|output| output.name == input.name))
-    };
-    vertex(project.shaders().filter(of_host).filter(|s| s.shader.stage() == Stage::Vertex).filter(feeds).collect())
-}
-
-/// True for the name of a length along a line: of an attribute by its words, of other inputs by what is said of lines alone.
-fn is_along(name: &str, attribute: bool) -> bool {
-    let words = names::words(name);
-    let plain: String = words.concat();
-    let said = ["linedistance", "linesofar", "linelength", "arclength", "pathlength", "distancealong", "lengthalong"];
-    let word = |word: &String| {
-        let word = word.trim_end_matches(|c: char| c.is_ascii_digit());
-        ["len", "length", "distance", "dist"].contains(&word)
-    };
-    said.iter().any(|said| plain.contains(said)) || attribute && words.iter().any(word)
-}
-
-/// What values have of which each is what the others are; constants fit all.
-fn one_of(units: impl IntoIterator<Item = Unit>) -> Unit {
-    let join = |a: Unit, b: Unit| match (a, b) {
-        (Free, other) | (other, Free) => other,
-        (Known(x, seed), Known(y, _)) if x == y => Known(x, seed),
-        _ => Unknown,
-    };
-    units.into_iter().reduce(join).unwrap_or(Unknown)
-}
-
-/// The power of pixels that the name of a uniform says.
-fn said(name: &str) -> Option<i32> {
-    let words = names::words(name);
-    let plain: String = words.concat();
-    let has = |all: &[&str]| all.iter().any(|word| plain.contains(word));
-    let of = [
-        "screen", "window", "canvas", "stage", "texture", "image", "output", "input", "source", "buffer", "render",
-        "display", "view",
-    ];
-    let steps = [
-        "texelsize",
-        "pixelsize",
-        "onepixel",
-        "invsize",
-        "sizeinv",
-        "invresolution",
-        "resolutioninv",
-        "rcpframe",
-        "inverseresolution",
-        "inversesize",
-        "texelstep",
-        "onetexel",
-    ];
-    if has(&steps) {
-        return Some(-1);
-    }
-    if has(&["inv", "rcp", "pixel", "texel", "scale", "ratio", "aspect", "point", "offset", "matrix", "min", "max"]) {
-        return None;
-    }
-    let size =
-        has(&["resolution", "viewport", "dimensions"]) || has(&["size", "dimension", "width", "height"]) && has(&of);
-    size.then_some(1)
 }
 
 fn is_real(ty: &Type) -> bool {
@@ -649,5 +385,7 @@ mod tests {
         let rest =
             "vec2 p = uv * u_resolution; float line = floor(p.y) + 0.5; float dy = p.y - line; float x = dy * dy;";
         assert_eq!(power(rest), None, "a part of a pixel");
+        let divided = "vec2 p = uv * u_resolution; float z = p.y - floor(p.y); z /= u_resolution.y; float x = z * z;";
+        assert_eq!(power(divided), None, "the same in other units");
     }
 }

@@ -175,11 +175,17 @@ fn is_whole(text: &str) -> bool {
     }
     match text.find("#version") {
         Some(at) => only_blank(&text[..at]) && !text[at + 1..].contains("#version"),
-        // Without a version the text may be the end of a longer one, unless it is surely old.
+        // Without a version the text may be the end of a longer one, unless it is surely old, and states what precision it has
+        // where it is for OpenGL ES.
         None => {
             let old = ["attribute", "varying", "gl_FragColor", "gl_Vertex", "gl_ModelViewProjectionMatrix"];
             let es = ["precision", "highp", "mediump", "lowp"];
-            old.iter().any(|w| marks::has_word(text, w)) && !es.iter().any(|w| marks::has_word(text, w))
+            let of_es = es.iter().any(|w| marks::has_word(text, w));
+            let states = text.split(';').any(|part| {
+                let mut words = part.split_whitespace().skip_while(|word| *word != "precision");
+                words.next().is_some() && words.nth(1) == Some("float")
+            });
+            old.iter().any(|w| marks::has_word(text, w)) && (!of_es || states)
         }
     }
 }
@@ -211,6 +217,7 @@ mod tests {
             (format!("void f() {{ GLuint s = compile(GL_FRAGMENT_SHADER, {BODY}); }}"), Some("m.cpp#1")),
             ("const char *fs = R\"(\n#version 150\nout vec4 c;\nvoid main() { c = vec4(1.0); })\";".to_owned(), Some("m.cpp#fs")),
             ("#define GLSL(x) \"#version 150\\n\" #x\nconst char *fs = GLSL(out vec4 c;\nvoid main() { c = vec4(1.0); });".to_owned(), Some("m.cpp#fs")),
+            ("const char *fs = \"precision mediump float;\\n\" \"varying vec4 v;\\n\" \"void main() { gl_FragColor = v; }\\n\";".to_owned(), Some("m.cpp#fs")),
             ("#define STR(...) #__VA_ARGS__\nconst char *fs = \"#version 150\\n\" STR(out vec4 c, d;\nvoid main() { c = d = vec4(1.0); });".to_owned(), Some("m.cpp#fs")),
         ] {
             let expected: Vec<(String, Stage)> = expected.map(|n| (n.to_owned(), Stage::Fragment)).into_iter().collect();
@@ -226,6 +233,7 @@ mod tests {
             "const char *fs = \"#version 150\\n\" DEFINES \"void main() {}\";".to_owned(),
             "const char *fs = \"void main() { c = vec4(1.0); }\";".to_owned(),
             "const char *fs = \"#version 150\\nout vec4 c;\\n\";".to_owned(),
+            "const char *fs = \"varying mediump vec4 v;\\nvoid main() { gl_FragColor = v; }\";".to_owned(),
             "const char *fs = \"#version %d\\nvoid main() {}\";".to_owned(),
             "const char *s[] = { \"#version 150\\n\", \"void main() { gl_Position = p; }\" };".to_owned(),
         ] {

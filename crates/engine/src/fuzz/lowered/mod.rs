@@ -87,10 +87,16 @@ impl<'a> Lowered<'a> {
         Some(Self { far, ..Self::new(ready)? })
     }
 
-    /// Leaves out what another look found.
-    pub fn leave_out(&mut self, known: &Self) {
-        // What is lost only far out is more than a loss of digits.
-        self.groups.retain(|key, group| known.groups.get(key).is_none_or(|known| group.lost && !known.lost));
+    /// Leaves out what another look tells, where nothing is stated.
+    pub fn leave_out(&mut self, other: &Self) {
+        let told = |key: &(Harm, usize), lost: bool| {
+            other.groups.get(key).is_some_and(|known| {
+                let many = known.count * MANY[1] >= other.looked.max(1);
+                // What is lost only far out is more than a loss of digits.
+                known.lost || many && !lost
+            })
+        };
+        self.groups.retain(|key, group| !told(key, group.lost));
     }
 
     /// Looks at the samples of a batch that are in no trouble in binary32.

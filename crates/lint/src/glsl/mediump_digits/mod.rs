@@ -15,7 +15,8 @@ use syntax::{Const, Shader, Stage};
 
 use super::forms::builtin;
 use super::numeric::bare;
-use super::pixels::{self, Pixels, Unit};
+use super::pixel_stages;
+use super::pixels::{Pixels, Unit};
 use super::walk::declarators;
 
 /// The rule.
@@ -38,7 +39,7 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
     }
     let precisions = Precisions::of(shader);
     let initial = Initial::of(shader);
-    let pixels = Pixels::of(shader, &pixels::before(file, project));
+    let pixels = Pixels::of(shader, &pixel_stages::before(file, project));
     let whole = ["fract", "floor", "ceil", "mod", "round", "trunc"];
     let mut found = Vec::new();
     for (id, expr) in shader.arena().iter() {
@@ -288,6 +289,11 @@ fn from_lowered(shader: &Shader, initial: &Initial, precisions: &Precisions, id:
                 .is_some_and(|value| from_lowered(shader, initial, precisions, value, depth + 1)),
             _ => false,
         }),
+        ExprKind::Binary { op: BinaryOp::Div, right, .. }
+            if precisions.is_lowered(id) && shader.fold(*right).is_none() =>
+        {
+            true
+        }
         ExprKind::Call { .. } if !matches!(shader.callee(id), Some(syntax::symbols::CallTarget::Constructor(_))) => {
             false
         }

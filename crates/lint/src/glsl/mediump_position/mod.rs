@@ -11,7 +11,7 @@ use syntax::types::Type;
 use syntax::{Shader, Stage};
 
 use super::forms::Forms;
-use super::pixels;
+use super::pixel_stages;
 use super::walk::expressions;
 
 /// The rule.
@@ -81,7 +81,7 @@ fn transforms(shader: &Shader, precisions: &Precisions, value: ExprId) -> bool {
 
 fn fragment(file: &ShaderFile, project: &Project, precisions: &Precisions, findings: &mut Findings<'_>) {
     let shader = &file.shader;
-    let before = pixels::before(file, project);
+    let before = pixel_stages::before(file, project);
     for (id, symbol) in shader.symbols() {
         let taken = matches!(symbol.kind, SymbolKind::Global(Storage::In)) && shader.uses_of(id).next().is_some();
         let counts = before.get(&symbol.name) == Some(&(1, false));

@@ -9,6 +9,7 @@ use syntax::precision::Precisions;
 use syntax::types::Type;
 
 use super::forms::{builtin, is_square};
+use super::pixel_stages;
 use super::pixels::{Pixels, Unit};
 
 /// The rule.
@@ -36,7 +37,7 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
     if squares.is_empty() {
         return;
     }
-    let pixels = Pixels::of(shader, &super::pixels::before(file, project));
+    let pixels = Pixels::of(shader, &pixel_stages::before(file, project));
     for (id, square) in squares {
         let Unit::Known(power, seed) = pixels.unit(square.of(id)) else { continue };
         if power < square.least() {
