@@ -142,11 +142,7 @@ fn a_time_and_a_screen_are_taken_as_far_as_they_come_on_phones() {
     assert!(ran.out.contains("digits are lost at `mediump`"), "{}", ran.out);
     assert!(ran.out.contains("(taken: `u_time` for a time of up to 3600)"), "{}", ran.out);
     let ran = fuzzed("phone.frag").expect(0);
-    assert!(
-        ran.out.contains("overflow at `mediump`") && ran.out.contains("a place on the screen of up to"),
-        "{}",
-        ran.out
-    );
+    assert!(ran.out.contains("overflow at `mediump`"), "{}", ran.out);
     assert!(ran.err.contains("asks for OpenGL ES"), "{}", ran.err);
     // The twin states `highp`.
     let folder = tempfile::tempdir().unwrap();

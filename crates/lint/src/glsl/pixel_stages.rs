@@ -26,7 +26,7 @@ fn vertex_of<'p>(file: &ShaderFile, project: &'p Project) -> Option<&'p ShaderFi
         let mut all = shaders.into_iter().filter(|shader| shader.shader.stage() == Stage::Vertex);
         all.next().filter(|_| all.next().is_none())
     };
-    if let Some(section) = project.sections().into_iter().find(|section| section.iter().any(|s| is(s))) {
+    if let Some(section) = project.sections().into_iter().find(|section| section.iter().any(is)) {
         return vertex(section);
     }
     let Some(origin) = &file.origin else { return vertex(project.shaders_beside(name)) };
