@@ -1,7 +1,8 @@
 //! Texts as compilers of OpenGL ES read them: phones, and browsers.
 
 use base::diagnostic::Severity;
-use syntax::{Parsed, Profile, Shader, Version};
+use base::text::SourceFile;
+use syntax::{Parsed, Profile, Shader, Stage, Version};
 
 use crate::conditions;
 
@@ -20,6 +21,22 @@ pub fn parsed(shader: &Shader) -> Option<Parsed> {
         }
     }
     best.shader.has_precisions().then_some(best)
+}
+
+/// What compilers define that have `highp` in fragment stages, and a name of that length which none defines.
+const HIGH: [&str; 2] = ["GL_FRAGMENT_PRECISION_HIGH", "NO_FRAGMENT_PRECISION_HIGH"];
+
+/// The text as a device reads it that has no `highp` in fragment stages, where it asks for that: places are the same.
+pub fn without_highp(shader: &Shader) -> Option<Parsed> {
+    let file = shader.file();
+    if shader.stage() != Stage::Fragment || !file.text().contains(HIGH[0]) {
+        return None;
+    }
+    let mut defines = vec![("GL_ES".to_owned(), "1".to_owned())];
+    defines.extend(shader.defines().iter().filter(|(name, _)| name != "GL_ES").cloned());
+    let text = SourceFile::new(file.name(), file.text().replace(HIGH[0], HIGH[1]));
+    let parsed = Shader::parse_with(&text, shader.stage(), &defines);
+    parsed.shader.has_precisions().then_some(parsed)
 }
 
 /// The same for commands that run shaders: none where the text does not hold so.

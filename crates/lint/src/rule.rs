@@ -15,6 +15,9 @@ use super::project::{Project, ShaderFile};
 use super::suppress::Suppressions;
 use syntax::wgsl::Module;
 
+/// Rules on numbers that are lost as a whole at lower precision.
+const LOSING: [&str; 2] = ["mediump-epsilon", "mediump-square"];
+
 /// Rules that look at a shader one after the other, at least.
 const RULES_IN_A_ROW: usize = 16;
 
@@ -127,6 +130,7 @@ impl Rule {
                 .partition(|rule| es.is_some() && rule.is_about_precisions());
             numbers_of_variants(&others, shader, project, &mut found);
             es.iter().for_each(|es| numbers_of_variants(&of_phones, es, project, &mut found));
+            lost_without_highp(rules, shader, project, &mut found);
             found
         }));
         for rule in rules.iter().take_while(|_| !stop.load(Ordering::Relaxed)) {
@@ -190,6 +194,32 @@ fn numbers_of_variants(
         }
         let starts: BTreeSet<usize> = fresh.iter().map(|s| s.start).collect();
         into.extend(found.into_iter().filter(|(_, d)| starts.contains(&d.span.start)));
+    }
+}
+
+/// What a device loses that has no `highp` in fragment stages, for who asks: digits are fewer there anyway, but what overflows or
+/// is 0 leaves nothing.
+fn lost_without_highp(
+    rules: &[&'static Rule],
+    shader: &ShaderFile,
+    project: &Project,
+    into: &mut Vec<(Level, Diagnostic)>,
+) {
+    let losing: Vec<&&'static Rule> = rules.iter().filter(|rule| LOSING.contains(&rule.name)).collect();
+    if losing.is_empty() {
+        return;
+    }
+    let Some(without) = shader.without_highp() else { return };
+    let mut found = Vec::new();
+    for rule in losing {
+        rule.check.on_shader(&without, project, &mut Findings { rule, into: &mut found });
+    }
+    for (_, mut diagnostic) in found {
+        let known = |(_, d): &(Level, Diagnostic)| d.code == diagnostic.code && d.span == diagnostic.span;
+        if !into.iter().any(known) {
+            diagnostic.file = shader.shader.file().clone();
+            into.push((Level::Strict, diagnostic));
+        }
     }
 }
 

@@ -183,6 +183,15 @@ impl ShaderFile {
         Some(Self::read(&Input::new(self.shader.file().clone()).with_reported(self.reported), parsed))
     }
 
+    /// The same text as a device reads it that has no `highp` in fragment stages.
+    pub fn without_highp(&self) -> Option<Self> {
+        if !self.conditional || self.file.text().len() > LONGEST_VARIED {
+            return None;
+        }
+        let parsed = es::without_highp(&self.shader)?;
+        Some(Self::read(&Input::new(parsed.shader.file().clone()).with_reported(self.reported), parsed))
+    }
+
     fn doubtful_of(shader: &Shader, found: &[Diagnostic]) -> Vec<(Code, Span)> {
         let doubtful = context::doubtful(shader, found);
         found.iter().zip(doubtful).filter(|(_, doubtful)| *doubtful).map(|(d, _)| (d.code, d.span)).collect()

@@ -168,6 +168,23 @@ mod tests {
     }
 
     #[test]
+    fn devices_without_highp_are_judged_on_request() {
+        use crate::glsl::testing::{default_count, strict_count};
+        let text = |body: &str| {
+            format!(
+                "#ifdef GL_FRAGMENT_PRECISION_HIGH\nprecision highp float;\n#else\nprecision mediump float;\n#endif\n\
+                 uniform vec2 u_dimensions;\nvarying vec2 v;\nvoid main() {{ vec2 p = v * u_dimensions; {body} }}\n"
+            )
+        };
+        let count = |body: &str| {
+            let text = text(body);
+            (default_count(super::RULE.code, "a.frag", &text), strict_count(super::RULE.code, "a.frag", &text))
+        };
+        assert_eq!(count("gl_FragColor = vec4(dot(p, p));"), (0, 1));
+        assert_eq!(count("vec2 q = p / u_dimensions.x; gl_FragColor = vec4(dot(q, q));"), (0, 0));
+    }
+
+    #[test]
     fn what_the_vertex_stage_hands_on_is_known() {
         use crate::{Input, run};
         use base::text::SourceFile;
