@@ -147,7 +147,7 @@ impl Pixels<'_> {
                 },
                 ExprKind::Field { base, .. } => bare(shader, *base),
                 ExprKind::Binary { op: BinaryOp::Add | BinaryOp::Sub, left, right, .. }
-                    if constant(shader, *right).is_some() =>
+                    if self.unit(*right) == Free =>
                 {
                     bare(shader, *left)
                 }
@@ -161,14 +161,21 @@ impl Pixels<'_> {
         cut.is_some_and(|(_, args)| args.iter().any(|arg| shader.text_of(bare(shader, *arg)) == text))
     }
 
-    /// True for a difference that is small, and for its magnitude.
-    pub(super) fn is_left_over(&self, id: ExprId) -> bool {
+    /// True for a difference that is small, for its magnitude, and for the larger of two.
+    pub(super) fn is_left_over(&self, id: ExprId, depth: usize) -> bool {
         let id = bare(self.shader, id);
-        if let Some((_, [inner])) = builtin(self.shader, id, &["abs"]) {
-            return self.is_left_over(*inner);
+        let deeper = |id: &ExprId| depth < 4 && self.is_left_over(*id, depth + 1);
+        match &self.shader.expr(id).kind {
+            ExprKind::Name(_) => {
+                self.shader.symbol_of(id).is_some_and(|symbol| self.initial(symbol).any(|value| deeper(&value)))
+            }
+            ExprKind::Field { base, .. } => deeper(base),
+            ExprKind::Binary { op: BinaryOp::Sub, left, right, .. } => {
+                self.is_rest(*left, *right) || self.is_rest(*right, *left)
+            }
+            _ => builtin(self.shader, id, &["abs", "min", "max"])
+                .is_some_and(|(_, args)| !args.is_empty() && args.iter().all(|arg| deeper(arg))),
         }
-        let ExprKind::Binary { op: BinaryOp::Sub, left, right, .. } = self.shader.expr(id).kind else { return false };
-        self.is_rest(left, right) || self.is_rest(right, left)
     }
 
     /// True for a uniform whose name says that it is a size in pixels, or a step.

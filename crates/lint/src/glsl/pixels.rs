@@ -92,7 +92,7 @@ impl<'s> Pixels<'s> {
             }
         });
         // What is left of a number of pixels is a part of one, whatever it is divided by later.
-        let rests = this.initial.iter().filter(|(_, value)| this.is_left_over(*value));
+        let rests = this.initial.iter().filter(|(_, value)| this.is_left_over(*value, 0));
         this.torn = rests.map(|(symbol, _)| *symbol).collect();
         for _ in 0..ROUNDS {
             let known = this.of.len();
@@ -387,5 +387,8 @@ mod tests {
         assert_eq!(power(rest), None, "a part of a pixel");
         let divided = "vec2 p = uv * u_resolution; float z = p.y - floor(p.y); z /= u_resolution.y; float x = z * z;";
         assert_eq!(power(divided), None, "the same in other units");
+        let larger = "vec2 p = uv * u_resolution; vec2 c = floor(p) + vec2(0.5, 0.5); vec2 d = abs(c - p);\n\
+                      float y = max(d.x, d.y); y /= u_resolution.x; float x = y * y;";
+        assert_eq!(power(larger), None, "the larger of two parts");
     }
 }
