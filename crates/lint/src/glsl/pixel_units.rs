@@ -174,7 +174,7 @@ impl Pixels<'_> {
                 self.is_rest(*left, *right) || self.is_rest(*right, *left)
             }
             _ => builtin(self.shader, id, &["abs", "min", "max"])
-                .is_some_and(|(_, args)| !args.is_empty() && args.iter().all(|arg| deeper(arg))),
+                .is_some_and(|(_, args)| !args.is_empty() && args.iter().all(deeper)),
         }
     }
 
