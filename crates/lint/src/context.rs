@@ -126,7 +126,7 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
             || (open && !HOLDS_ANYWAY.contains(&error.code))
             || (error.code == errors::MISSING_MAIN && error.span.is_empty())
             || is_at_unknown_macro(shader, &conditions, error)
-            || (OF_VALUES.contains(&error.code) && is_of_unknown_value(shader, &asked, error))
+            || is_of_unknown_value(shader, &asked, error)
             // What a template fills in may be what is missing.
             || (filled_in && [errors::REDECLARATION, errors::INITIALISER].contains(&error.code))
             || (filled_in && error.code == errors::CONSTRUCTOR && file.expansion(error.span).is_some())
@@ -152,9 +152,12 @@ const OF_VALUES: &[Code] = &[
     errors::RETURN_TYPE,
 ];
 
-/// True for an error in a line with a macro that an `#ifdef` of the text asks for: whoever defines it says what it stands for,
+/// True for an error about types in a line with a macro that an `#ifdef` of the text asks for: whoever defines it says what it stands for,
 /// which may be a vector.
-fn is_of_unknown_value(shader: &Shader, asked: &BTreeSet<String>, error: &Diagnostic) -> bool {
+pub fn is_of_unknown_value(shader: &Shader, asked: &BTreeSet<String>, error: &Diagnostic) -> bool {
+    if !OF_VALUES.contains(&error.code) {
+        return false;
+    }
     let file = shader.file();
     let line = file.position(error.span.start).line;
     shader.tokens().iter().any(|token| {

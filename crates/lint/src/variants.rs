@@ -56,7 +56,8 @@ pub fn errors(shader: &Shader) -> Vec<(bool, Diagnostic)> {
             let name = error.file.slice(error.span);
             // The macro stands where a name is wanted: what guards a declaration has taken its name.
             let own = error.code == errors::SYNTAX && defines.iter().any(|(macro_name, _)| macro_name == name);
-            let certain = own || (!many && holds(error.code));
+            let unsure = context::is_of_unknown_value(&parsed.shader, &asked, error);
+            let certain = own || (!many && !unsure && holds(error.code));
             let unknown = error.code == errors::UNKNOWN_NAME && !syntax::is_macro(name);
             let on_request = !many && (unknown || CERTAIN.contains(&error.code));
             if certain || on_request {

@@ -166,7 +166,7 @@ fn without_value(subject: &Dispatched, lengths: &[Length], met: &mut Vec<Met>, r
         let outcome = subject.play(&scenario, 0);
         report.dispatches += 1;
         if let Some(incident) = outcome.incidents.into_iter().find(collected) {
-            note(subject, met, incident, (&scenario, false), lengths);
+            note(subject, met, incident, (&scenario, Said::default()), lengths);
         }
     }
     let mut first = true;

@@ -105,20 +105,16 @@ fn open(driver: &'static Driver) -> Result<Box<dyn Lane>, Unavailable> {
         let description = describe(driver, &context.renderer, &context.version)?;
         return Ok(Box::new(OpenGl { description, backend: Box::new(Here(context)), guarded: true }));
     };
-    let opened = |environment: &[(&'static str, &'static str)]| {
+    let opened = |environment: &[(&'static str, &'static str)]| -> Result<_, Unavailable> {
         let remote = Remote::open(Worker::new(&program.with(super::SIDE), environment))?;
-        let description = describe(driver, &remote.renderer, &remote.version)?;
-        Ok((description, remote))
+        Ok((describe(driver, &remote.renderer, &remote.version), remote))
     };
-    let first = opened(driver.environment);
-    let (description, remote) = match first {
-        // Another vendor's, perhaps.
-        Err(_) if driver.of_mesa() && Path::new(VENDOR.1).exists() => {
-            opened(&[driver.environment, &[VENDOR]].concat()).or(first)?
-        }
-        first => first?,
-    };
-    Ok(Box::new(OpenGl { description, backend: Box::new(remote), guarded: false }))
+    let (mut described, mut remote) = opened(driver.environment)?;
+    if described.is_err() && driver.of_mesa() && Path::new(VENDOR.1).exists() {
+        // It is another vendor's.
+        (described, remote) = opened(&[driver.environment, &[VENDOR]].concat())?;
+    }
+    Ok(Box::new(OpenGl { description: described?, backend: Box::new(remote), guarded: false }))
 }
 
 /// What a driver is, by what it says of itself.

@@ -154,7 +154,7 @@ fn an_unknown_extension_may_bring_types_and_rules() {
 #[test]
 fn a_host_may_define_a_qualifier_that_is_used_once() {
     let image = "layout(FORMAT, binding = 0) writeonly uniform PRECISION image2D target;\n\
-        layout(local_size_x = 4) in;\nvoid main() { imageStore(target, ivec2(0), vec3(1.0)); }\n";
+        layout(local_size_x = 4) in;\nvoid main() { imageStore(target, ivec2(0), vec4(1.0)); }\n";
     only_on_request(&[("a.comp", image)], "E001");
     // A version says that nothing comes in front, and a slip is one.
     by_default(&[("a.comp", &format!("#version 310 es\n{image}"))], "E001");

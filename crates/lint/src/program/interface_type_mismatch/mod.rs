@@ -26,7 +26,8 @@ fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>)
             let Some(output) = producer(from, to, input) else { continue };
             let wanted = output_type(from, &output.ty, &output.qualifiers);
             let (Some(wanted), Some(got)) = (wanted, input_type(to, &input.ty, &input.qualifiers)) else { continue };
-            if agree(wanted, got) || (is_vulkan(from.shader) || is_vulkan(to.shader)) && drops_components(wanted, got) {
+            if agree(wanted, got) || (is_vulkan(&from.shader) || is_vulkan(&to.shader)) && drops_components(wanted, got)
+            {
                 continue;
             }
             let (name, had, has, place) = (&input.name, output.ty.to_string(), input.ty.to_string(), from.file.name());
