@@ -29,7 +29,7 @@ fn told(report: &Value) -> Vec<(String, String, u64)> {
 }
 
 /// The wrong twins: the fault that each has, whether it fails the run, and a line that is named.
-const WRONG: [(&str, &str, bool, u64); 40] = [
+const WRONG: [(&str, &str, bool, u64); 41] = [
     // A barrier that is missing behind a step of the sum.
     ("sum.wgsl", "race", true, 21),
     // Elements behind the last one are not filled.
@@ -107,6 +107,8 @@ const WRONG: [(&str, &str, bool, u64); 40] = [
     ("states.comp", "race", true, 15),
     // Pixels of one channel get three; with none, which no image has, its twin divides by 0 and goes outside.
     ("channels.comp", "race", false, 25),
+    // No barrier between the steps, in a workgroup whose size is left to the host.
+    ("host_sized.comp", "race", true, 24),
     // A sum over the workgroup is 0 where all of its elements are.
     ("shares.comp", "no_value", false, 23),
 ];

@@ -41,7 +41,7 @@ use base::value::Field;
 use syntax::{Shader, Stage};
 
 pub use crate::lower::{Primitives, Role};
-pub use build::{DISCARD, WIDE_BYTES};
+pub use build::{DISCARD, WIDE_BYTES, WORKGROUP_SIZE};
 pub use capture::{
     Attribute, BoundBuffer, ENTRY_POINT, Form, InputSource, Kernel, OutputLayout, UniformBlock, UniformPlace,
     WORKGROUP, binding, uniform_blocks,

@@ -114,8 +114,8 @@ pub fn run(subject: &Dispatched, command: &str, report: &mut FunctionReport) {
     met.iter_mut().for_each(|met| met.doubtful = subject.is_doubtful(met, &lengths));
     let mut found = by_cause(subject, &met, command);
     found.extend(endless.iter().map(|(hazard, scenario)| subject.told_endless(hazard, scenario, command)));
-    let dispatches = report.dispatches as u64;
-    found.extend(cut_off.map(|(count, scenario)| subject.told_cut_off((count, dispatches), &scenario, command)));
+    let all = report.dispatches;
+    found.extend(cut_off.map(|(count, scenario)| subject.told_cut_off((count, all), &scenario, command)));
     found.extend(unknown);
     found.extend(subject.told_width(&lengths, command));
     report.findings.extend(found);

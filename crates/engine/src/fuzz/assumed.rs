@@ -4,7 +4,7 @@
 //! something plain, it is run with that, and the report says so.
 
 use base::diagnostic::Severity;
-use program::WIDE_BYTES;
+use program::{WIDE_BYTES, WORKGROUP_SIZE};
 use syntax::interface::Storage;
 use syntax::{Lacks, Parsed};
 
@@ -104,13 +104,17 @@ pub fn macro_name(heading: &str) -> &str {
 }
 
 /// What stands for the names that a text lacks, which `parse` reads with more macros: what host code of the project defines,
-/// or else something plain; and whether numbers of 8 bits in buffers take the place of those of 32. None where nothing is
-/// lacking, or the text has errors whatever is tried.
+/// or else something plain; whether numbers of 8 bits in buffers take the place of those of 32; and the size of workgroups that
+/// is left to the host. None where nothing is lacking, or the text has errors whatever is tried.
 pub fn completed(parse: &Parse<'_>, offers: &mut Offers<'_>) -> Option<Completed> {
     let mut all = names(parse, offers).unwrap_or_default();
     let parsed = parse(&all.macros());
     if errors(&parsed) == 0 && has_bytes_in_buffers(&parsed) {
         all.assumed.push((WIDE_BYTES.to_owned(), "1".to_owned()));
+    }
+    let chosen = parsed.shader.defines().iter().any(|(name, _)| name == WORKGROUP_SIZE);
+    if let Some([x, y, z]) = parsed.shader.usual_workgroup_size().filter(|_| errors(&parsed) == 0 && !chosen) {
+        all.assumed.push((WORKGROUP_SIZE.to_owned(), format!("{x},{y},{z}")));
     }
     (!all.assumed.is_empty() || !all.taken.is_empty()).then_some(all)
 }
@@ -327,6 +331,7 @@ fn plainest(name: &str, what: Lacks) -> String {
 /// What to tell of what is assumed.
 pub fn assumption_note(assumed: &[(String, String)]) -> String {
     let (bytes, others): (Vec<_>, Vec<_>) = assumed.iter().partition(|(name, _)| name == WIDE_BYTES);
+    let (sizes, others): (Vec<_>, Vec<_>) = others.into_iter().partition(|(name, _)| name == WORKGROUP_SIZE);
     let (types, names): (Vec<_>, Vec<_>) = others.into_iter().partition(|(name, _)| of_32_bits(name).is_some());
     let words = |of: Vec<&(String, String)>| {
         of.into_iter().map(|(name, value)| format!("--define {name}={value}")).collect::<Vec<_>>().join(" ")
@@ -344,6 +349,10 @@ pub fn assumption_note(assumed: &[(String, String)]) -> String {
     if !bytes.is_empty() {
         let what = "numbers of 8 bits take in buffers the place of those of 32: distances in memory are others";
         told.push(format!("assumed {}: {what}", words(bytes)));
+    }
+    if !sizes.is_empty() {
+        let what = "the text leaves the size of a workgroup to its host; state another by --define";
+        told.push(format!("assumed {}: {what}", words(sizes)));
     }
     told.join("; ")
 }

@@ -61,6 +61,16 @@ pub(crate) use subgroup::BY_INDEX;
 /// A macro with which numbers of 8 bits take in buffers the place of those of 32: naga has none.
 pub const WIDE_BYTES: &str = "SHADERCHECK_WIDE_BYTES";
 
+/// A macro with the size of workgroups that a text leaves to its host: `64,1,1`.
+pub const WORKGROUP_SIZE: &str = "SHADERCHECK_WORKGROUP_SIZE";
+
+/// The size of workgroups that whoever reads the text chose.
+fn chosen_workgroup(shader: &Shader) -> Option<[u32; 3]> {
+    let (_, value) = shader.defines().iter().find(|(name, _)| name == WORKGROUP_SIZE)?;
+    let sizes: Vec<u32> = value.split(',').map(|n| n.trim().parse().ok()).collect::<Option<_>>()?;
+    sizes.try_into().ok()
+}
+
 type Expr = Handle<Expression>;
 /// Something that the harness has no way to pass, with its place.
 type Unfed = (String, Span);
@@ -187,7 +197,7 @@ fn one(shader: &Shader, target: &Target, run: bool) -> std::result::Result<(Prog
         quad: None,
         sites: HashMap::new(),
         stopping: HashSet::new(),
-        workgroup: shader.workgroup_size().unwrap_or([1; 3]),
+        workgroup: shader.workgroup_size().or_else(|| chosen_workgroup(shader)).unwrap_or([1; 3]),
         wide_bytes: shader.defines().iter().any(|(name, _)| name == WIDE_BYTES),
         widened: Vec::new(),
     };
