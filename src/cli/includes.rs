@@ -150,9 +150,7 @@ impl IncludedText {
                 self.name
             ));
         }
-        if self.stage != Stage::Compute
-            || Shader::parse_with(&self.file, self.stage, defines).shader.version().span.is_some()
-        {
+        if self.stage != Stage::Compute || plain.version().span.is_some() {
             return None;
         }
         let parsed = self.parsed(defines);

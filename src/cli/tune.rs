@@ -135,11 +135,10 @@ pub fn run(args: &TuneArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     let compose = ComposeArgs::default();
     'files: for path in &args.files {
         let reading = args.input.reading(Some(&compose), None);
-        let count = includes::read_all(path, &reading, stage)?.len();
+        let mut sources = includes::read_all(path, &reading, stage)?;
+        let count = sources.len();
         for number in 0..count {
-            // What was written for one shader of a file is there for the next.
-            let source = includes::read_all(path, &reading, stage)?.into_iter().nth(number);
-            let Some(mut source) = source else { break };
+            let Some(source) = sources.get_mut(number) else { break };
             source.stage = stage.unwrap_or(source.stage);
             anyhow::ensure!(
                 Written::of(&source.file) == Written::Glsl,
@@ -148,8 +147,14 @@ pub fn run(args: &TuneArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
                 path.shown()
             );
             let mut tuned = Tuned { args, request: &request, inputs: &mut inputs, err };
-            match tuned.one(&source)? {
-                Outcome::Report(file) => summary.files.push(*file),
+            match tuned.one(source)? {
+                Outcome::Report(file) => {
+                    if file.written {
+                        // It is there for the next shader of the file.
+                        sources = includes::read_all(path, &reading, stage)?;
+                    }
+                    summary.files.push(*file);
+                }
                 Outcome::Broken => broken = true,
                 // Of several shaders those are tuned that can be.
                 Outcome::Nothing(why) if count > 1 => writeln!(err, "note: {}: {why}", source.name)?,

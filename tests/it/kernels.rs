@@ -139,6 +139,25 @@ fn each_wrong_kernel_is_found_by_kind_and_place() {
     }
 }
 
+#[test]
+fn the_size_that_a_host_chooses_is_stated_or_told() {
+    let run = |size: &str| {
+        let kernel = "fixtures/kernels/right/host_sized.comp";
+        let define =
+            if size.is_empty() { String::new() } else { format!("--define SHADERCHECK_WORKGROUP_SIZE={size}") };
+        run_in(root(), &format!("fuzz {kernel} --lane embedded --samples 16 {define}"))
+    };
+    let assumed = run("").expect(0);
+    assert!(assumed.err.contains("assumed --define SHADERCHECK_WORKGROUP_SIZE=64,1,1: the text leaves"), "{assumed:?}");
+    let stated = run("64,1,1").expect(0);
+    assert!(!stated.err.contains("assumed"), "{stated:?}");
+    for wrong in ["abc", "32", "64,1", "0,1,1", "64,1,1,1"] {
+        let ran = run(wrong);
+        let told = format!("host_sized.comp:3:8: `SHADERCHECK_WORKGROUP_SIZE` is `{wrong}`; state a size");
+        assert!(ran.code == 2 && ran.out.contains(&told), "{told}\n{ran:?}");
+    }
+}
+
 /// A guard that is one off lets an invocation outside at each of its loads and stores.
 #[test]
 fn one_cause_is_one_finding_with_its_places() {

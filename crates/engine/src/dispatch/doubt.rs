@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use program::interp::group::{Incident, Space, Wrong};
+use program::interp::group::{Incident, Sources, Space, Wrong};
 
 use super::Dispatched;
 use super::host::Length;
@@ -21,13 +21,16 @@ impl Dispatched {
         if !storage || !matches!(incident.what, Wrong::Race | Wrong::Outside) {
             return false;
         }
-        let by_settings = |k: usize| self.executable.memories()[k].space == Space::Uniform;
-        let settled =
-            !(0..self.executable.memories().len()).any(|k| by_settings(k) && self.depends.of(incident.who.site).has(k));
-        if met.degenerate && !settled {
+        if met.degenerate && self.is_by_settings(self.depends.of(incident.who.site)) {
             return true;
         }
         self.is_by_packed_numbers(incident) || (incident.what == Wrong::Race && !self.is_with_whole_tiles(met, lengths))
+    }
+
+    /// True where numbers in uniforms have a say.
+    fn is_by_settings(&self, sources: Sources) -> bool {
+        let memories = self.executable.memories().iter().enumerate();
+        memories.into_iter().any(|(k, shape)| shape.space == Space::Uniform && sources.has(k))
     }
 
     /// True where numbers have a say that a vector of four holds for different purposes.
@@ -66,11 +69,8 @@ impl Dispatched {
     fn is_with_whole_tiles(&self, met: &Met, lengths: &[Length]) -> bool {
         let incident = &met.incident;
         let parties = [Some(incident.who), incident.other].into_iter().flatten();
-        let by_settings = |k: usize| self.executable.memories()[k].space == Space::Uniform;
-        let settled = |sources: program::interp::group::Sources| {
-            !(0..self.executable.memories().len()).any(|k| by_settings(k) && sources.has(k))
-        };
-        if parties.into_iter().all(|party| settled(self.depends.leads(party.site))) || self.axes.is_empty() {
+        let led = parties.into_iter().any(|party| self.is_by_settings(self.depends.leads(party.site)));
+        if !led || self.axes.is_empty() {
             return true;
         }
         let mut items = self.size;

@@ -13,7 +13,7 @@ pub(super) const KEYS: [&str; 7] = ["lane", "driver", "date", "samples", "fma", 
 /// of Mesa's version counts corrections.
 ///
 /// NVIDIA counts releases by two numbers, `580.159`. Its OpenGL has functions of its own, and is another device: on one card
-/// and release, `acos` is off by 719 ULP there, and by 1.7 through Vulkan.
+/// and release, `acos` is off by 770 ULP there, and by 1.6 through Vulkan.
 ///
 /// SwiftShader gives every build the version 5.0, and its own functions have been the same for years; what stands in
 /// parentheses is the compiler behind them, which counts.

@@ -13,7 +13,10 @@ type Egl = egl::DynamicInstance<egl::EGL1_5>;
 const SURFACELESS: egl::Enum = 0x31DD;
 
 /// Versions that are asked for, in this order: Mesa gives the newest that it has whatever it is asked for, NVIDIA that one.
-const VERSIONS: [(egl::Int, egl::Int); 7] = [(4, 6), (4, 5), (4, 4), (4, 3), (4, 0), (3, 3), (3, 2)];
+const VERSIONS: [(egl::Int, egl::Int); 6] = [(4, 6), (4, 5), (4, 4), (4, 3), (4, 0), (3, 3)];
+
+/// The oldest one that will do.
+const LEAST: (egl::Int, egl::Int) = (3, 2);
 
 /// What to install.
 pub const REMEDY: &str = "install Mesa, for example `apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri` on Debian or \
@@ -67,9 +70,10 @@ impl Context {
                 ];
                 egl.create_context(display, config, None, &attributes)
             };
-            let newest = VERSIONS[..VERSIONS.len() - 1].iter().find_map(|version| made(*version).ok());
-            let context = newest.map_or_else(|| made(VERSIONS[VERSIONS.len() - 1]), Ok);
-            let context = context.map_err(|error| format!("the driver makes no context of OpenGL 3.2: {error}"))?;
+            let newest = VERSIONS.into_iter().find_map(|version| made(version).ok());
+            let context = newest
+                .map_or_else(|| made(LEAST), Ok)
+                .map_err(|error| format!("the driver makes no context of OpenGL 3.2: {error}"))?;
             egl.make_current(display, None, None, Some(context))
                 .map_err(|error| format!("the driver needs a surface: {error}"))?;
             let gl = glow::Context::from_loader_function(|name| {

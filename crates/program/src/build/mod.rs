@@ -64,11 +64,18 @@ pub const WIDE_BYTES: &str = "SHADERCHECK_WIDE_BYTES";
 /// A macro with the size of workgroups that a text leaves to its host: `64,1,1`.
 pub const WORKGROUP_SIZE: &str = "SHADERCHECK_WORKGROUP_SIZE";
 
-/// The size of workgroups that whoever reads the text chose.
-fn chosen_workgroup(shader: &Shader) -> Option<[u32; 3]> {
-    let (_, value) = shader.defines().iter().find(|(name, _)| name == WORKGROUP_SIZE)?;
-    let sizes: Vec<u32> = value.split(',').map(|n| n.trim().parse().ok()).collect::<Option<_>>()?;
-    sizes.try_into().ok()
+/// The size of workgroups: as the text states it, or as whoever reads the text chose it, or 1.
+fn workgroup(shader: &Shader) -> std::result::Result<[u32; 3], ProgramError> {
+    let chosen = || shader.defines().iter().find(|(name, _)| name == WORKGROUP_SIZE);
+    let (None, Some((_, value))) = (shader.workgroup_size(), chosen()) else {
+        return Ok(shader.workgroup_size().unwrap_or([1; 3]));
+    };
+    let sizes: Option<Vec<u32>> = value.split(',').map(|n| n.trim().parse().ok().filter(|&n| n > 0)).collect();
+    sizes.and_then(|sizes| sizes.try_into().ok()).ok_or_else(|| {
+        let at = shader.file().text().find("local_size_").unwrap_or(0);
+        let what = format!("`{WORKGROUP_SIZE}` is `{value}`; state a size for each of three axes, such as `64,1,1`");
+        ProgramError::Source(vec![Diagnostic::new(UNSUPPORTED, Severity::Error, shader.file(), Span::at(at), what)])
+    })
 }
 
 type Expr = Handle<Expression>;
@@ -197,7 +204,7 @@ fn one(shader: &Shader, target: &Target, run: bool) -> std::result::Result<(Prog
         quad: None,
         sites: HashMap::new(),
         stopping: HashSet::new(),
-        workgroup: shader.workgroup_size().or_else(|| chosen_workgroup(shader)).unwrap_or([1; 3]),
+        workgroup: workgroup(shader)?,
         wide_bytes: shader.defines().iter().any(|(name, _)| name == WIDE_BYTES),
         widened: Vec::new(),
     };
