@@ -53,16 +53,23 @@ fn trials(folder: &Path) -> Vec<Trial> {
     let of = |path: PathBuf| {
         let inside = path.strip_prefix(folder).unwrap_or(&path).display().to_string().replace('\\', "/");
         let name = inside.trim_end_matches(".suite.toml").to_owned();
-        match suite::load(&path) {
-            Ok(loaded) => {
-                let whole = loaded.suite.name.clone();
-                let trial = |suite: Suite| {
-                    let variant = suite.name.strip_prefix(&whole).unwrap_or_default().to_owned();
-                    let (name, shader, path) = (format!("{name}{variant}"), loaded.shader.clone(), path.clone());
-                    let kind = suite.stage.name();
-                    Trial::test(name, move || one(&suite, &shader, &path, &variant)).with_kind(kind)
+        match suite::load_all(&path) {
+            Ok(all) => {
+                let alone = all.len() == 1;
+                let of_one = |loaded: suite::Loaded| {
+                    let whole = loaded.suite.name.clone();
+                    let trial = |suite: Suite| {
+                        let variant = match alone {
+                            true => suite.name.strip_prefix(&whole).unwrap_or_default().to_owned(),
+                            false => format!("[{}]", suite.name),
+                        };
+                        let (name, shader, path) = (format!("{name}{variant}"), loaded.shader.clone(), path.clone());
+                        let kind = suite.stage.name();
+                        Trial::test(name, move || one(&suite, &shader, &path, &variant)).with_kind(kind)
+                    };
+                    loaded.suite.variants().into_iter().map(trial).collect::<Vec<_>>()
                 };
-                loaded.suite.variants().into_iter().map(trial).collect()
+                all.into_iter().flat_map(of_one).collect()
             }
             Err(error) => fails(name, error.to_string()),
         }

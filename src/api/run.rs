@@ -208,6 +208,7 @@ fn suite(shader: &Shader) -> Result<Suite, Error> {
         relations: Vec::new(),
         laws: shader.laws.iter().map(|law| law.0.clone()).collect(),
         inputs,
+        guessed: Vec::new(),
         // The share is what counts: as many samples are made as are asked for.
         floors: Floors { judged: 1, ..floors },
         literals: Literals::default(),

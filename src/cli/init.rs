@@ -11,7 +11,7 @@ use ignore::WalkBuilder;
 use crate::cli::status::ExitStatus;
 use base::text::{Shown, SourceFile};
 use disk::fresh;
-use engine::suite::draft::{self, Subject};
+use engine::suite::draft::{self, Draft, Subject};
 use engine::suite::{self, Suite};
 use lanes::{Lane, StandIn, Wanted};
 use program::Written;
@@ -41,6 +41,9 @@ const CONFIGURATION: &str = "\
 level = \"default\" # strict tells also what is sometimes meant; heuristic also guesses
 # ignore = [\"N014\"]
 ";
+
+/// The schema of suite files, for editors that complete and check TOML.
+const SCHEMA: &str = "suite.schema.json";
 
 /// What a CI job runs.
 const SNIPPET: &str = "\
@@ -77,9 +80,11 @@ pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow:
         "`{}` holds no shader; the extension tells the stage: .vert, .geom, .frag, .comp, .glsl for a library, .wgsl",
         root.shown()
     );
-    let known: Vec<(PathBuf, Suite)> = suites.iter().filter_map(|path| about(path)).collect();
+    let known: Vec<(PathBuf, Suite)> = suites.iter().flat_map(|path| about(path)).collect();
     let mut names: BTreeSet<String> = known.iter().map(|(_, suite)| suite.name.clone()).collect();
     let devices = Wanted { stand_in: StandIn::Never, ..Wanted::named(&[]) }.open()?.lanes;
+    // As paths of shaders are: without a leading `.`.
+    let base = folder.strip_prefix(".").unwrap_or(folder);
     let mut written = 0;
     for (path, stage) in &shaders {
         let file = match super::includes::read(path, &super::compose::Given::default()) {
@@ -93,13 +98,20 @@ pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow:
         if subjects.is_empty() {
             writeln!(err, "left out: {}: it has neither a stage nor a function that can be run", path.shown())?;
         }
-        for subject in subjects {
-            if known.iter().any(|(shader, suite)| shader == path && runs(suite, &subject)) {
-                writeln!(err, "left out: {} has a suite already", label(path, &subject))?;
-                continue;
+        let mut wanted = |subject: &Subject| {
+            let has = known.iter().any(|(shader, suite)| shader == path && runs(suite, subject));
+            if has {
+                writeln!(err, "left out: {} has a suite already", label(path, subject))?;
             }
-            written += u64::from(one(args, path, *stage, (&file, &subject, &devices), &mut names, out, err)?);
+            Ok::<bool, std::io::Error>(!has)
+        };
+        let mut open = Vec::new();
+        for subject in subjects {
+            if wanted(&subject)? {
+                open.push(subject);
+            }
         }
+        written += u64::from(of_shader(args, (base, path, *stage, &file), (&open, &devices), &mut names, (out, err))?);
         if rest > 0 {
             writeln!(err, "left out: {rest} more functions of {}", path.shown())?;
         }
@@ -111,10 +123,10 @@ pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow:
     Ok(if written == 0 && known.is_empty() { ExitStatus::Findings } else { ExitStatus::Clean })
 }
 
-/// The shader and the suite of a suite file; none where it cannot be read.
-fn about(path: &Path) -> Option<(PathBuf, Suite)> {
-    let loaded = suite::load(path).ok()?;
-    Some((PathBuf::from(loaded.shader.name()), loaded.suite))
+/// The shaders and the suites of a suite file; none where it cannot be read.
+fn about(path: &Path) -> Vec<(PathBuf, Suite)> {
+    let all = suite::load_all(path).unwrap_or_default();
+    all.into_iter().map(|loaded| (PathBuf::from(loaded.shader.name()), loaded.suite)).collect()
 }
 
 fn runs(suite: &Suite, subject: &Subject) -> bool {
@@ -128,18 +140,64 @@ fn label(path: &Path, subject: &Subject) -> String {
     }
 }
 
-/// Writes the suite of one subject. True when it was written.
-fn one(
+/// Writes the suites of a shader into one file beside it. True when there is one.
+fn of_shader(
     args: &InitArgs,
-    path: &Path,
-    stage: Stage,
-    (file, subject, devices): (&SourceFile, &Subject, &[Box<dyn Lane>]),
+    (folder, path, stage, file): (&Path, &Path, Stage, &SourceFile),
+    (subjects, devices): (&[Subject], &[Box<dyn Lane>]),
     names: &mut BTreeSet<String>,
-    out: &mut dyn Write,
-    err: &mut dyn Write,
+    (out, err): (&mut dyn Write, &mut dyn Write),
 ) -> anyhow::Result<bool> {
     let shader = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    let (stem, ending) = shader.split_once('.').unwrap_or((&shader, ""));
+    let stem = shader.split_once('.').map_or(&shader[..], |(stem, _)| stem);
+    let mut drafts: Vec<Draft> = Vec::new();
+    for subject in subjects {
+        let name = name(&shader, subject, names);
+        match draft::draft(file, stage, subject, &name, &shader, devices) {
+            Ok(draft) => {
+                names.insert(name);
+                drafts.push(draft);
+            }
+            Err(why) => writeln!(err, "left out: {}: {why}", label(path, subject))?,
+        }
+    }
+    if drafts.is_empty() {
+        return Ok(false);
+    }
+    // A file that is there is somebody's.
+    let mut target = path.with_file_name(format!("{stem}{}", suite::ENDING));
+    let mut number = 2;
+    while target.exists() || names.contains(&target.display().to_string()) {
+        target = path.with_file_name(format!("{stem}_{number}{}", suite::ENDING));
+        number += 1;
+    }
+    names.insert(target.display().to_string());
+    if !args.dry_run {
+        let up = path.strip_prefix(folder).unwrap_or(path).components().count().saturating_sub(1);
+        let text = format!("#:schema {}{SCHEMA}\n{}", "../".repeat(up), draft::file(&shader, &drafts));
+        // Another process may have made the file since it was looked for.
+        fresh::create(&target, text.as_bytes()).with_context(|| format!("cannot write `{}`", target.shown()))?;
+    }
+    let verb = if args.dry_run { "would write" } else { "wrote" };
+    writeln!(out, "{verb} {}", target.shown())?;
+    for draft in &drafts {
+        let (inputs, laws) = (counted(draft.inputs, "input"), counted(draft.laws, "law"));
+        writeln!(out, "  {}: {inputs}, {laws}", draft.name)?;
+        for complaint in &draft.complaints {
+            writeln!(out, "    does not pass: {complaint}")?;
+        }
+    }
+    Ok(true)
+}
+
+/// `1 law`, `2 laws`.
+fn counted(many: usize, unit: &str) -> String {
+    format!("{many} {unit}{}", if many == 1 { "" } else { "s" })
+}
+
+/// A name for the suite of a subject that none has yet.
+fn name(shader: &str, subject: &Subject, names: &BTreeSet<String>) -> String {
+    let (stem, ending) = shader.split_once('.').unwrap_or((shader, ""));
     let stem = match &subject.entry {
         Some(entry) if !entry.eq_ignore_ascii_case(stem) => format!("{stem}_{entry}"),
         Some(_) | None => stem.to_owned(),
@@ -154,30 +212,7 @@ fn one(
         name = format!("{base}_{number}");
         number += 1;
     }
-    let target = path.with_file_name(format!("{name}.suite.toml"));
-    if target.exists() {
-        writeln!(err, "left out: {}: `{}` is there already", label(path, subject), target.shown())?;
-        return Ok(false);
-    }
-    let draft = match draft::draft(file, stage, subject, &name, &shader, devices) {
-        Ok(draft) => draft,
-        Err(why) => {
-            writeln!(err, "left out: {}: {why}", label(path, subject))?;
-            return Ok(false);
-        }
-    };
-    if !args.dry_run {
-        // Another process may have made the file since it was looked for.
-        fresh::create(&target, draft.text.as_bytes()).with_context(|| format!("cannot write `{}`", target.shown()))?;
-    }
-    names.insert(name);
-    let verb = if args.dry_run { "would write" } else { "wrote" };
-    let laws = if draft.laws == 1 { "1 law".to_owned() } else { format!("{} laws", draft.laws) };
-    writeln!(out, "{verb} {}: {} inputs, {laws}", target.shown(), draft.inputs)?;
-    for complaint in &draft.complaints {
-        writeln!(out, "  does not pass: {complaint}")?;
-    }
-    Ok(true)
+    name
 }
 
 /// A name of a suite: small letters, digits and `_`.
@@ -185,18 +220,22 @@ fn plain(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' }).collect()
 }
 
+/// Writes the configuration, and the schema that suite files name, where they are not there.
 fn configuration(args: &InitArgs, root: &Path, out: &mut dyn Write) -> anyhow::Result<()> {
-    let path = root.join("shadercheck.toml");
-    let path = path.strip_prefix(".").unwrap_or(&path).to_owned();
-    if path.exists() {
-        return Ok(());
+    let schema = format!("{:#}\n", suite::schema());
+    for (name, text) in [("shadercheck.toml", CONFIGURATION), (SCHEMA, &schema)] {
+        let path = root.join(name);
+        let path = path.strip_prefix(".").unwrap_or(&path).to_owned();
+        if path.exists() {
+            continue;
+        }
+        if args.dry_run {
+            writeln!(out, "would write {}", path.shown())?;
+            continue;
+        }
+        fresh::create(&path, text.as_bytes()).with_context(|| format!("cannot write `{}`", path.shown()))?;
+        writeln!(out, "wrote {}", path.shown())?;
     }
-    if args.dry_run {
-        writeln!(out, "would write {}", path.shown())?;
-        return Ok(());
-    }
-    fresh::create(&path, CONFIGURATION.as_bytes()).with_context(|| format!("cannot write `{}`", path.shown()))?;
-    writeln!(out, "wrote {}", path.shown())?;
     Ok(())
 }
 

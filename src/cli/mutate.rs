@@ -248,8 +248,10 @@ fn select(arguments: &[String]) -> anyhow::Result<Vec<Selected>> {
         for entry in entries {
             let file = entry?.path();
             if file.to_string_lossy().ends_with(".suite.toml") {
-                let loaded = engine::suite::load(&file)?;
-                if path.file_name().is_some_and(|name| name.to_string_lossy() == loaded.suite.shader) {
+                let about = |loaded: &engine::suite::Loaded| {
+                    path.file_name().is_some_and(|name| name.to_string_lossy() == loaded.suite.shader)
+                };
+                if engine::suite::load_all(&file)?.iter().any(about) {
                     named.push(file.to_string_lossy().into_owned());
                 }
             }

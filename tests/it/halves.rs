@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use engine::adversary::{Adversary, Strategy};
-use engine::suite::load;
+use engine::suite::load_all;
 use engine::suite::run::prepare;
 use judge::profile::{self, Promises};
 use lanes::Stage;
@@ -125,7 +125,7 @@ fn a_device_that_errs_as_far_as_it_may_is_not_accused() {
             names.join(", ")
         );
         fs::write(folder.path().join("f.suite.toml"), suite).unwrap();
-        let loaded = load(&folder.path().join("f.suite.toml")).unwrap();
+        let loaded = load_all(&folder.path().join("f.suite.toml")).unwrap().remove(0);
         let prepared = prepare(&loaded.suite.variants()[0], &loaded.shader).unwrap();
         for seed in 1..5 {
             let lane = Adversary::lane(wgsl, Stage::Compute, Strategy::Extreme, seed, false);

@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use base::value::Batch;
 use engine::adversary::{Adversary, Strategy};
 use engine::shard::Shard;
-use engine::suite::load;
+use engine::suite::load_all;
 use engine::suite::run::{FindingKind, Prepared, Report, Request, Sampled, Share, prepare, run, run_part};
 use judge::profile::{self, Promises};
 use lanes::{Actual, Description, Lane, LaneError, Runner, Stage, embedded};
@@ -29,7 +29,7 @@ const KERNELS: [(&str, &str); 8] = [
 ];
 
 fn kernel(name: &str, size: &str) -> Prepared {
-    let loaded = load(&root().join(format!("shaders/kernels/{name}.suite.toml"))).unwrap();
+    let loaded = load_all(&root().join(format!("shaders/kernels/{name}.suite.toml"))).unwrap().remove(0);
     let suite = loaded.suite.variants().into_iter().find(|suite| suite.name.ends_with(size)).unwrap();
     let prepared = prepare(&suite, &loaded.shader).unwrap_or_else(|error| panic!("{name}: {error}"));
     assert!(prepared.program.is_large(), "{name}");
@@ -91,7 +91,7 @@ fn a_law_that_is_broken_is_told_with_whose_values_break_it() {
     fs::write(folder.path().join("sum.suite.toml"), suite).unwrap();
     for (shader, count) in [("shaders/kernels/sum.comp", 0), (twin, 2)] {
         fs::copy(root().join(shader), folder.path().join("sum.comp")).unwrap();
-        let loaded = load(&folder.path().join("sum.suite.toml")).unwrap();
+        let loaded = load_all(&folder.path().join("sum.suite.toml")).unwrap().remove(0);
         let suite = loaded.suite.variants().into_iter().find(|suite| suite.name.ends_with("[N=70001]")).unwrap();
         let prepared = prepare(&suite, &loaded.shader).unwrap();
         let lane = embedded::open().unwrap();
@@ -122,7 +122,7 @@ fn sums_by_atomic_functions_are_judged() {
     assert_ne!(lost, text);
     for (text, right) in [(text, true), (lost, false)] {
         fs::write(folder.path().join("total.wgsl"), text).unwrap();
-        let loaded = load(&folder.path().join("total.suite.toml")).unwrap();
+        let loaded = load_all(&folder.path().join("total.suite.toml")).unwrap().remove(0);
         let prepared = prepare(&loaded.suite.variants()[0], &loaded.shader).unwrap();
         assert!(prepared.program.is_large());
         let wgsl = profile::by_name("wgsl").unwrap();

@@ -4,7 +4,7 @@ use base::text::SourceFile;
 use engine::adversary::{Fault, Strategy};
 use engine::suite::run::soundness::{Request, Soundness, check, halved};
 use engine::suite::run::{Prepared, prepare};
-use engine::suite::{load, parse, search, shipped};
+use engine::suite::{load_all, parse, search, shipped};
 use judge::profile::{Op, by_name};
 use judge::tape::{Model, Tape};
 use judge::verdict::Oracle;
@@ -66,7 +66,7 @@ fn no_conforming_device_is_accused_by_what_is_written_in_wgsl() {
     let suites: Vec<Prepared> = files
         .iter()
         .map(|path| {
-            let loaded = load(path).unwrap();
+            let loaded = load_all(path).unwrap().remove(0);
             prepare(&loaded.suite, &loaded.shader).unwrap()
         })
         .collect();

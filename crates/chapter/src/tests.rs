@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use base::text::SourceFile;
 use base::value::{Field, Record, Shape};
-use engine::suite::{find, load, parse, shipped};
+use engine::suite::{find, load_all, parse, shipped};
 use judge::formula::{Formula, Kind, Param};
 use property::shrink::Domain;
 
@@ -91,12 +91,12 @@ fn a_shipped_suite_is_found_by_name_and_guessed_from_a_slip() {
 #[test]
 fn a_suite_on_disk_is_read_with_its_shader() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shaders/chapter9/sphere.suite.toml");
-    let loaded = load(&root).unwrap();
+    let loaded = load_all(&root).unwrap().remove(0);
     assert_eq!(loaded.shader.text(), find("sphere").unwrap().shader_text);
     let folder = tempfile::tempdir().unwrap();
     let alone = folder.path().join("sphere.suite.toml");
     fs::write(&alone, find("sphere").unwrap().toml).unwrap();
-    let error = load(&alone).unwrap_err().to_string();
+    let error = load_all(&alone).unwrap_err().to_string();
     assert!(error.contains("sphere.suite.toml:3:11: cannot read the shader `"), "{error}");
 }
 

@@ -87,6 +87,35 @@ impl<'a> Table<'a> {
         Self { reader, table, title: "", offset: 0 }
     }
 
+    /// A table that was made from parts of a document; `offset` is where the document states it.
+    pub fn inside_of(reader: &'a Reader<'a>, table: &'a DeTable<'a>, offset: usize) -> Self {
+        Self { reader, table, title: "", offset }
+    }
+
+    /// The tables of a list, each with its byte offset and with the keys of this table that it lacks, but for the list.
+    pub fn inheriting(&self, key: &str, title: &str) -> Vec<(DeTable<'a>, usize)> {
+        let Some(value) = self.value(key) else { return Vec::new() };
+        let Some(list) = value.get_ref().as_array() else {
+            self.wrong(key, value.span(), &format!("a list of tables {title}"), value.get_ref());
+            return Vec::new();
+        };
+        let mut tables = Vec::new();
+        for item in list.iter() {
+            let Some(own) = item.get_ref().as_table() else {
+                self.wrong(key, item.span(), &format!("a list of tables {title}"), item.get_ref());
+                continue;
+            };
+            let mut whole = own.clone();
+            for (name, value) in self.table.iter().filter(|(name, _)| &**name.get_ref() != key) {
+                if !whole.contains_key(&**name.get_ref()) {
+                    whole.insert(name.clone(), value.clone());
+                }
+            }
+            tables.push((whole, item.span().start));
+        }
+        tables
+    }
+
     /// Notes keys that are none of `known`.
     pub fn only(self, known: &[&str]) -> Self {
         for key in self.table.keys() {

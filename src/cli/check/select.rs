@@ -73,18 +73,23 @@ fn from_file(path: &Path) -> anyhow::Result<Vec<Selected>> {
     if !name.ends_with(".toml") {
         return of_shader(path);
     }
-    let loaded = suite::load(path)?;
+    let all = suite::load_all(path)?;
     let regressions = suite::regressions_path(path);
     let saved = suite::read_regressions(&regressions)?;
-    let variants = loaded.suite.variants();
-    let several = variants.len() > 1;
-    let selected = |suite: Suite| {
-        let variant = suite.name.strip_prefix(&loaded.suite.name).filter(|_| several).unwrap_or_default();
-        let argument = format!("{name}{variant}");
-        let (regressions, saved) = (Some(regressions.clone()), saved.clone());
-        Selected { suite, shader: loaded.shader.clone(), argument, regressions, saved }
+    let alone = all.len() == 1;
+    let of_one = |loaded: suite::Loaded| {
+        let whole = loaded.suite.name.clone();
+        let variants = loaded.suite.variants();
+        let several = variants.len() > 1;
+        let selected = |suite: Suite| {
+            let variant = suite.name.strip_prefix(&whole).filter(|_| several).unwrap_or_default();
+            let argument = if alone { format!("{name}{variant}") } else { format!("{name}[{}]", suite.name) };
+            let (regressions, saved) = (Some(regressions.clone()), saved.clone());
+            Selected { suite, shader: loaded.shader.clone(), argument, regressions, saved }
+        };
+        variants.into_iter().map(selected).collect::<Vec<_>>()
     };
-    Ok(variants.into_iter().map(selected).collect())
+    Ok(all.into_iter().flat_map(of_one).collect())
 }
 
 /// The suites beside a shader that are about it.
@@ -109,10 +114,11 @@ pub fn beside(path: &Path) -> anyhow::Result<Vec<Selected>> {
     let mut selected = Vec::new();
     for file in suite::search(folder)? {
         // A suite that cannot be read is told when its own file or folder is asked for.
-        if let Ok(loaded) = suite::load(&file)
-            && same_file(Path::new(loaded.shader.name()), path)
+        if let Ok(all) = suite::load_all(&file)
+            && all.iter().any(|loaded| same_file(Path::new(loaded.shader.name()), path))
         {
-            selected.extend(from_file(&file)?);
+            let about = |one: &Selected| same_file(Path::new(one.shader.name()), path);
+            selected.extend(from_file(&file)?.into_iter().filter(about));
         }
     }
     Ok(selected)
@@ -125,7 +131,7 @@ fn same_file(a: &Path, b: &Path) -> bool {
     }
 }
 
-/// One variant of a suite file: `skin.suite.toml[BONES=4]`.
+/// One variant of a suite file, `skin.suite.toml[BONES=4]`, or one suite of several, `tone.suite.toml[tone_hue]`.
 fn variant(argument: &str) -> Option<(&str, &str)> {
     let at = argument.rfind(".toml[").filter(|_| argument.ends_with(']'))? + ".toml".len();
     Some(argument.split_at(at))
@@ -135,6 +141,6 @@ fn one_variant(path: &Path, wanted: &str) -> anyhow::Result<Selected> {
     let all = from_file(path)?;
     let names: Vec<String> = all.iter().map(|s| s.argument.clone()).collect();
     all.into_iter()
-        .find(|selected| selected.suite.name.ends_with(wanted))
+        .find(|selected| selected.suite.name.ends_with(wanted) || selected.argument.ends_with(wanted))
         .with_context(|| format!("`{}` has no variant `{wanted}`; there are {}", path.shown(), names.join(", ")))
 }

@@ -31,8 +31,9 @@ fn what_is_written_passes() {
     let ran = run_in(folder.path(), "init").expect(0);
     let suites = ["basic", "lib_cube", "lib_facing", "lib_mixed", "lib_mixed2"];
     for suite in suites {
-        assert!(ran.out.contains(&format!("wrote {suite}.suite.toml: ")), "{}", ran.out);
+        assert!(ran.out.contains(&format!("\n  {suite}: ")), "{}", ran.out);
     }
+    assert!(ran.out.contains("wrote basic.suite.toml\n") && ran.out.contains("wrote lib.suite.toml\n"), "{}", ran.out);
     assert!(!ran.out.contains("does not pass"), "{}", ran.out);
     assert!(
         ran.out.contains("wrote shadercheck.toml") && ran.out.contains("shadercheck check . --require-lane vulkan")
@@ -48,9 +49,16 @@ fn what_is_written_passes() {
         assert!(vertex.contains(part), "{part}\n{vertex}");
     }
     // Laws that hold are found, and no others.
-    assert!(text("lib_cube").contains("{ kind = \"odd\", inputs = [\"x\"] }"), "{}", text("lib_cube"));
-    assert!(!text("lib_cube").contains("even"), "{}", text("lib_cube"));
-    assert!(text("lib_facing").contains("{ kind = \"unit\", outputs = [\"return\"] }"), "{}", text("lib_facing"));
+    let library = text("lib");
+    let of = |name: &str| library.split("[[suites]]").find(|part| part.contains(&format!("suite = {name:?}"))).unwrap();
+    assert!(of("lib_cube").contains("{ kind = \"odd\", inputs = [\"x\"] }"), "{library}");
+    assert!(!of("lib_cube").contains("even"), "{library}");
+    assert!(of("lib_facing").contains("{ kind = \"unit\", outputs = [\"return\"] }"), "{library}");
+    // An editor finds the schema.
+    assert!(library.starts_with("#:schema suite.schema.json\nshader = \"lib.glsl\"\n"), "{library}");
+    assert!(folder.path().join("suite.schema.json").exists());
+    let ran = command(folder.path(), "check lib.suite.toml[lib_cube] --lane embedded").output().unwrap();
+    assert!(String::from_utf8_lossy(&ran.stdout).contains("ok    lib_cube "), "{ran:?}");
     let ran = check(folder.path(), "").expect(0);
     assert_eq!(ran.out.lines().filter(|line| line.starts_with("ok ")).count(), suites.len(), "{}", ran.out);
     // And the configuration is one.
@@ -91,7 +99,7 @@ fn sum(barrier: &str) -> String {
 fn a_compute_stage_gets_a_suite_in_awkward_sizes() {
     let folder = folder(&[("sum.wgsl", &sum("workgroupBarrier();"))]);
     let ran = run_in(folder.path(), "init sum.wgsl").expect(0);
-    assert!(ran.out.contains("wrote sum.suite.toml: 1 inputs, 1 law\n"), "{ran:?}");
+    assert!(ran.out.contains("wrote sum.suite.toml\n  sum: 1 input, 1 law\n"), "{ran:?}");
     assert!(!ran.out.contains("does not pass"), "{ran:?}");
     let suite = fs::read_to_string(folder.path().join("sum.suite.toml")).unwrap();
     for part in [
@@ -121,7 +129,7 @@ fn a_compute_stage_that_races_gets_a_suite_that_says_so() {
     let ran = run_in(folder.path(), "init sum.wgsl").expect(0);
     assert!(ran.out.contains("does not pass: sum.wgsl:11:") && ran.out.contains("race on `part["), "{ran:?}");
     let suite = fs::read_to_string(folder.path().join("sum.suite.toml")).unwrap();
-    assert!(suite.starts_with("# Found when this was written: sum.wgsl:11:"), "{suite}");
+    assert!(suite.contains("\n# Found when this was written: sum.wgsl:11:"), "{suite}");
     check(folder.path(), "").expect(1);
 }
 
@@ -181,14 +189,14 @@ fn structures_indices_and_counts_of_a_compute_stage_are_guessed() {
 fn nothing_is_written_over() {
     let folder = folder(&[
         ("lib.glsl", LIBRARY),
-        ("lib_cube.suite.toml", "mine\n"),
+        ("lib.suite.toml", "mine\n"),
         ("shadercheck.toml", "# mine\n"),
         ("other.suite.toml", "suite = \"other\"\nshader = \"lib.glsl\"\nstage = \"function\"\nentry = \"facing\"\n"),
     ]);
     let ran = run_in(folder.path(), "init").expect(0);
-    assert!(ran.err.contains("left out: `cube` of lib.glsl: `lib_cube.suite.toml` is there already"), "{}", ran.err);
+    assert!(ran.out.contains("wrote lib_2.suite.toml\n  lib_cube: "), "{}", ran.out);
     assert!(ran.err.contains("left out: `facing` of lib.glsl has a suite already"), "{}", ran.err);
-    assert_eq!(fs::read_to_string(folder.path().join("lib_cube.suite.toml")).unwrap(), "mine\n");
+    assert_eq!(fs::read_to_string(folder.path().join("lib.suite.toml")).unwrap(), "mine\n");
     assert_eq!(fs::read_to_string(folder.path().join("shadercheck.toml")).unwrap(), "# mine\n");
     let before = names(folder.path());
     run_in(folder.path(), "init").expect(0);
@@ -199,7 +207,7 @@ fn nothing_is_written_over() {
 fn a_dry_run_writes_nothing() {
     let folder = folder(&[("lib.glsl", LIBRARY)]);
     let ran = run_in(folder.path(), "init --dry-run").expect(0);
-    assert!(ran.out.contains("would write lib_cube.suite.toml"), "{}", ran.out);
+    assert!(ran.out.contains("would write lib.suite.toml"), "{}", ran.out);
     assert_eq!(names(folder.path()), ["lib.glsl"]);
 }
 
@@ -218,7 +226,15 @@ fn what_cannot_run_is_reported() {
     assert!(ran.err.contains("left out: lit.frag: it takes nothing that could be varied"), "{}", ran.err);
     assert!(ran.err.contains("left out: broken.vert: broken.vert:3:34: error["), "{}", ran.err);
     assert!(ran.err.contains("left out: plain.frag"), "{}", ran.err);
-    let left = ["broken.vert", "lit.frag", "lit_look.suite.toml", "none.txt", "plain.frag", "shadercheck.toml"];
+    let left = [
+        "broken.vert",
+        "lit.frag",
+        "lit.suite.toml",
+        "none.txt",
+        "plain.frag",
+        "shadercheck.toml",
+        "suite.schema.json",
+    ];
     assert_eq!(names(folder.path()), left);
     let empty = tempfile::tempdir().unwrap();
     assert!(run_in(empty.path(), "init").expect(2).err.contains("`.` holds no shader"));
@@ -229,13 +245,13 @@ fn what_cannot_run_is_reported() {
 #[test]
 fn floors_are_those_of_devices() {
     let text = "float at(vec3 p, float time) { return length(p - vec3(sin(time), 0.0, 0.0)) - 0.4; }\n\
-        vec3 slope(vec3 p, float time) { const vec2 e = vec2(1e-3, 0.0);\n\
+        vec3 slope(vec3 p, float time) { const vec2 e = vec2(3e-3, 0.0);\n\
         return normalize(vec3(at(p + e.xyy, time) - at(p - e.xyy, time), at(p + e.yxy, time) - at(p - e.yxy, time),\n\
         at(p + e.yyx, time) - at(p - e.yyx, time))); }\n";
     let folder = folder(&[("ball.glsl", text)]);
     run_in(folder.path(), "init").expect(0);
-    let suite = fs::read_to_string(folder.path().join("ball_slope.suite.toml")).unwrap();
-    assert!(suite.contains("[floors]\nundetermined = ") && suite.contains("reason = \"no promise"), "{suite}");
+    let suite = fs::read_to_string(folder.path().join("ball.suite.toml")).unwrap();
+    assert!(suite.contains("[suites.floors]\nundetermined = ") && suite.contains("reason = \"no promise"), "{suite}");
     let ran: Ran = command(folder.path(), "check . --lane vulkan").output().unwrap().into();
     ran.expect(0);
 }
@@ -247,6 +263,87 @@ fn a_function_without_the_memory_of_its_stage_gets_a_suite() {
         void main() { x[0] = half_of(first(x[1])); }\n";
     let folder = folder(&[("a.comp", shader)]);
     let ran = run_in(folder.path(), "init").expect(0);
-    assert!(ran.out.contains("wrote a_half_of.suite.toml"), "{ran:?}");
+    assert!(ran.out.contains("\n  a_half_of: "), "{ran:?}");
     assert!(ran.err.contains("`first` of") && ran.err.contains("memory that is written or read"), "{ran:?}");
+}
+
+#[test]
+fn what_comes_of_a_guessed_range_is_a_warning_that_names_its_line() {
+    let text = "float curve(float c, float k) { return pow(c - 1.0, 2.4) * k; }\n";
+    let folder = folder(&[("curve.glsl", text)]);
+    let ran = run_in(folder.path(), "init").expect(0);
+    assert!(!ran.out.contains("does not pass"), "{}", ran.out);
+    let ran = check(folder.path(), "").expect(0);
+    let line = "delete `guessed = true`, at ./curve.suite.toml:19:11 (`c`, `k`)";
+    assert!(ran.out.contains("warning: curve on embedded/compute: the shader gives an undefined value"), "{}", ran.out);
+    assert!(ran.out.contains(line) || ran.out.contains(&line.replace("./", "")), "{}", ran.out);
+    // Once somebody states it, it is the shader that is wrong.
+    let suite = folder.path().join("curve.suite.toml");
+    let stated: String = fs::read_to_string(&suite)
+        .unwrap()
+        .lines()
+        .filter(|line| !line.starts_with("guessed"))
+        .map(|l| format!("{l}\n"))
+        .collect();
+    fs::write(&suite, stated).unwrap();
+    let ran = check(folder.path(), "").expect(1);
+    assert!(ran.out.contains("curve on embedded/compute: the shader gives an undefined value"), "{}", ran.out);
+}
+
+#[test]
+fn what_the_text_does_wrong_is_an_error_whatever_is_guessed() {
+    let text = "float unset(float c) { float x; return x + c; }\n";
+    let suite = "suite = \"unset\"\nshader = \"unset.glsl\"\nstage = \"function\"\nentry = \"unset\"\n\
+        [[inputs]]\nnames = [\"c\"]\ngenerator = \"interval\"\nrange = [0.0, 1.0]\nguessed = true\n";
+    let folder = folder(&[("unset.glsl", text), ("unset.suite.toml", suite)]);
+    check(folder.path(), "").expect(1);
+}
+
+#[test]
+fn a_suite_that_nothing_could_fail_is_not_written() {
+    let text = "float never(float d) { return fract(sin(1e5 * d) * 43758.5453); }\n\
+        // shadercheck: h in [0, 1]\nfloat stated(float h) { return sqrt(h); }\n";
+    let folder = folder(&[("lib.glsl", text)]);
+    let ran = run_in(folder.path(), "init").expect(0);
+    assert!(
+        ran.err.contains("left out: `never` of lib.glsl: ") && ran.err.contains(" % of its samples are inconclusive"),
+        "{}",
+        ran.err
+    );
+    // What a comment states is no guess, and a law that was checked at one place was not seen to hold.
+    let suite = fs::read_to_string(folder.path().join("lib.suite.toml")).unwrap();
+    assert!(
+        suite.contains("# stated in the shader\nnames = [\"h\"]\ngenerator = \"interval\"\nrange = [0.0, 1.0]\n"),
+        "{suite}"
+    );
+    assert!(!suite.contains("guessed") && !suite.contains("\"odd\""), "{suite}");
+}
+
+#[test]
+fn several_suites_in_a_file_share_what_stands_at_its_top() {
+    let shader = "float twice(float x) { return 2.0 * x; }\nfloat half_of(float x) { return 0.5 * x; }\n";
+    let one = |name: &str, more: &str| {
+        format!(
+            "[[suites]]\nsuite = {name:?}\nentry = {name:?}\n{more}[[suites.inputs]]\nnames = [\"x\"]\ngenerator = \"interval\"\n\
+             range = [0.0, 1.0]\n"
+        )
+    };
+    let top = "shader = \"f.glsl\"\nstage = \"function\"\nsamples = 256\n";
+    let text = format!("{top}{}{}", one("twice", ""), one("half_of", "samples = 64\n"));
+    let good = folder(&[("f.glsl", shader), ("f.suite.toml", &text)]);
+    let ran = check(good.path(), "").expect(0);
+    assert!(ran.out.contains("ok    twice ") && ran.out.contains("(320 samples, 2 suites)"), "{}", ran.out);
+    for (text, message) in [
+        (format!("{top}{}{}", one("twice", ""), one("twice", "")), "the suite `twice` stands twice in this file"),
+        (format!("{top}suites = []\n"), "`suites` is empty"),
+        (
+            format!("{top}{}", one("twice", "sample = 1\n")),
+            "f.suite.toml:7:1: unknown key `sample`; did you mean `samples`?",
+        ),
+        (format!("{top}suites = [1]\n"), "`suites` is a list of tables [[suites]]"),
+    ] {
+        let bad = folder(&[("f.glsl", shader), ("f.suite.toml", &text)]);
+        let ran = check(bad.path(), "").expect(2);
+        assert!(format!("{}{}", ran.out, ran.err).contains(message), "{message}: {ran:?}");
+    }
 }

@@ -7,7 +7,7 @@ use program::{Dispatch, HostBuffer, ProgramError};
 
 use super::Dispatched;
 use super::host::{Length, Measure, Setting, is_tag, setting};
-use crate::guess::{self, Role, words_of};
+use crate::guess::{self, GUESSED, Role, Uses, words_of};
 use base::value::{Field, Scalar};
 use property::pattern;
 
@@ -54,14 +54,19 @@ struct Filled {
     generator: &'static str,
     option: String,
     taken_for: String,
+    /// Nobody stated it, and no number of the dispatch gives it.
+    guessed: bool,
 }
+
+/// How the text uses an input.
+type Used<'a> = &'a dyn Fn(&Field) -> Uses;
 
 impl Dispatched {
     /// A first suite: sizes at which kernels go wrong, and for everything that a host gives the stage what it is taken for.
     ///
     /// # Errors
     /// As of [`program::Program::dispatched`], for what a dispatch cannot be given.
-    pub fn draft(&self) -> Result<Drafted, ProgramError> {
+    pub fn draft(&self, used: Used<'_>) -> Result<Drafted, ProgramError> {
         if let Some(image) = self.executable.memories().iter().find(|shape| shape.is_image()) {
             let what = format!("a suite of a kernel with the storage image `{}`, which `fuzz` can run", image.name);
             return Err(ProgramError::Unsupported { what });
@@ -77,7 +82,7 @@ impl Dispatched {
         let (chosen, led) = (self.is_long_by_choice(), self.led());
         for port in &program.uniforms {
             let field = Field { name: pattern(&port.field.name), shape: port.field.shape };
-            join(&mut filled, self.uniform(&field, &terms, chosen));
+            join(&mut filled, self.uniform(&field, &terms, (chosen, used)));
         }
         for port in &program.inputs {
             let Some(buffer) = buffers.iter().find(|buffer| port.global() == Some(buffer.global)) else { continue };
@@ -89,7 +94,7 @@ impl Dispatched {
         for (buffer, field) in fields.iter().filter(|(buffer, _)| buffer.read) {
             let length = lengths.iter().find(|(name, ..)| *name == buffer.name);
             let known = (length.map(|(_, text, _)| &text[..]), &terms);
-            join(&mut filled, self.stored((&buffers, &led), buffer, field, known));
+            join(&mut filled, self.stored((&buffers, &led), buffer, (field, used), known));
         }
         let written = |field: &Field| program.outputs.iter().any(|port| pattern(&port.field.name) == field.name);
         // What is always the same has any law.
@@ -233,7 +238,7 @@ impl Dispatched {
     }
 
     /// What a uniform is filled with.
-    fn uniform(&self, field: &Field, terms: &Terms, chosen: bool) -> Filled {
+    fn uniform(&self, field: &Field, terms: &Terms, (chosen, used): (bool, Used<'_>)) -> Filled {
         let names = vec![field.name.clone()];
         let many = self.axes.len() > 1;
         let last = field.name.rsplit('.').next().unwrap_or(&field.name);
@@ -264,7 +269,7 @@ impl Dispatched {
             let values: Vec<String> = values.iter().map(|value| toml(value)).collect();
             let option = format!("values = [{}]\n", values.join(", "));
             let taken_for = "a number of the dispatch".to_owned();
-            return Filled { names, uniform: true, generator: "constant", option, taken_for };
+            return Filled { names, uniform: true, generator: "constant", option, taken_for, guessed: false };
         }
         if whole && chosen {
             let taken_for = "a number that the lengths of buffers follow from; say which one the host gives".to_owned();
@@ -274,12 +279,13 @@ impl Dispatched {
                 generator: "constant",
                 option: "values = [1]\n".to_owned(),
                 taken_for,
+                guessed: true,
             };
         }
-        let guess = guess::of(field, Role::Uniform);
+        let guess = guess::with_uses(field, Role::Uniform, &used(field));
         let option = guess.range.map_or_else(String::new, |[lo, hi]| format!("range = [{lo:?}, {hi:?}]\n"));
         let taken_for = guess.taken_for.to_owned();
-        Filled { names, uniform: true, generator: guess.generator, option, taken_for }
+        Filled { names, uniform: true, generator: guess.generator, option, taken_for, guessed: true }
     }
 
     /// What a part of a storage buffer holds before.
@@ -287,7 +293,7 @@ impl Dispatched {
         &self,
         (buffers, led): (&[HostBuffer], &[Option<u32>]),
         buffer: &HostBuffer,
-        field: &Field,
+        (field, used): (&Field, Used<'_>),
         (length, terms): (Option<&str>, &Terms),
     ) -> Filled {
         let filled = |generator, option: String, taken_for: &str| Filled {
@@ -296,11 +302,12 @@ impl Dispatched {
             generator,
             option,
             taken_for: taken_for.to_owned(),
+            guessed: generator != "constant",
         };
         let range = |lo: &str, hi: &str| format!("range = [{}, {}]\n", toml(lo), toml(hi));
         if field.shape.scalar == Scalar::F32 {
             let element = Field { name: field.name.replace("[]", ""), shape: field.shape.element() };
-            let guess = guess::of(&element, Role::Parameter);
+            let guess = guess::with_uses(&element, Role::Parameter, &used(field));
             if element.shape.columns > 1 && field.shape.array.is_none() {
                 let option = guess.range.map_or_else(String::new, |[lo, hi]| format!("range = [{lo:?}, {hi:?}]\n"));
                 return filled(guess.generator, option, guess.taken_for);
@@ -422,6 +429,7 @@ fn join(all: &mut Vec<Filled>, one: Filled) {
             // Values of a vector are those of its components.
             && one.option.matches(',').count() <= 1
             && (one.generator != "constant" || !one.option.contains(','))
+            && group.guessed == one.guessed
     };
     match all.iter_mut().find(alike) {
         Some(group) => group.names.extend(one.names),
@@ -435,6 +443,9 @@ fn inputs(filled: &[Filled]) -> String {
         let names: Vec<String> = group.names.iter().map(|name| format!("{name:?}")).collect();
         let _ = write!(text, "\n[[inputs]] # taken for {}\n", group.taken_for);
         let _ = write!(text, "names = [{}]\ngenerator = {:?}\n{}", names.join(", "), group.generator, group.option);
+        if group.guessed {
+            text.push_str(GUESSED);
+        }
     }
     text
 }

@@ -33,6 +33,7 @@ pub use finding::{Finding, FunctionReport, FuzzFindingKind, LaneReport, Part, Se
 pub use generate::batch;
 pub use hint::{FORMS, option};
 pub(crate) use lowered::{Beside, Event, Harm, Narrowing};
+pub(crate) use modules::Known;
 pub use modules::subjects_of_module;
 pub(crate) use name::{decimal, place};
 pub use run::{Request, given, run, stream_key};

@@ -1,5 +1,6 @@
 //! The entry points and functions of a text that is read as a module, each made ready to run or told why it cannot be.
 
+use super::domain::Law;
 use super::realistic::Realistic;
 use super::subject::{BadHint, Hints, Made, Ready, Subject, global, made, numbers, reason};
 use super::wrapper::MOST_WORDS;
@@ -24,25 +25,39 @@ pub fn subjects_of_module(
     let mut all: Vec<Runnable> = text.points().into_iter().chain(text.functions()).collect();
     all.sort_by_key(|one| one.span.start);
     all.retain(|one| wanted(&one.name));
-    let tree = text.tree();
-    let known = Known { tree, usages: tree.map(Usages::of), hints: tree.map(Hints::read).transpose()? };
+    let known = Known::of(text.tree())?;
     Ok(all.into_iter().map(|one| subject(text, values, one, &known)).collect())
 }
 
-/// What the text says beside what is run.
-struct Known<'t> {
+/// What a text says of inputs: how they are used, and which domains comments state.
+pub(crate) struct Known<'t> {
     tree: Option<&'t Shader>,
     usages: Option<Usages>,
     hints: Option<Hints>,
 }
 
-impl Known<'_> {
+impl<'t> Known<'t> {
+    /// Of a text by its tree; nothing is known where there is none.
+    ///
+    /// # Errors
+    /// Comments that state domains in a way that cannot be read.
+    pub(crate) fn of(tree: Option<&'t Shader>) -> Result<Self, BadHint> {
+        Ok(Self { tree, usages: tree.map(Usages::of), hints: tree.map(Hints::read).transpose()? })
+    }
+
+    /// The laws that comments state for an input of a function or an entry point.
+    pub(crate) fn stated(&self, function: &str, input: &str) -> Vec<Law> {
+        let about = self.hints.as_ref().and_then(|hints| Some(hints.about(self.function(function)?)));
+        let about = about.into_iter().flatten().filter(|stated| stated.is_about(function, input));
+        about.map(|stated| stated.law).collect()
+    }
+
     fn function(&self, name: &str) -> Option<&FunctionInfo> {
         self.tree?.functions().find(|(_, info)| info.name.name == name).map(|(_, info)| info)
     }
 
     /// How an input is used: a parameter, a member of one that is a structure, or a variable of the module.
-    fn uses(&self, function: &str, field: &Field) -> Uses {
+    pub(crate) fn uses(&self, function: &str, field: &Field) -> Uses {
         let (Some(tree), Some(usages)) = (self.tree, &self.usages) else { return Uses::default() };
         let root = field.name.split(['.', '[']).next().unwrap_or(&field.name);
         let params = || self.function(function).into_iter().flat_map(|info| &info.params);

@@ -42,6 +42,9 @@ const fn guess(generator: &'static str, range: Option<[f64; 2]>, taken_for: &'st
 /// What an input is taken for whose ends are values like others: black, the corner of a texture, the first frame.
 const CLOSED: [&str; 5] = [words::COLOUR, words::TEXTURE_COORDINATES, words::TIME, words::SHARE, words::ANGLE];
 
+/// The line of a suite file that marks a group of inputs whose values nobody stated.
+pub(crate) const GUESSED: &str = "guessed = true # set the range to what programs give, and delete this line\n";
+
 /// What a matrix is taken for that transforms normals.
 pub const NORMAL_MATRIX: &str = "a normal matrix";
 /// What a matrix of any size is taken for that turns.
@@ -234,9 +237,28 @@ mod tests {
             ("params.resolution", Shape::VEC2, "interval", "a number of pixels"),
             ("useFog", Shape::vector(Scalar::Bool, 1), "index", "a switch"),
             ("x", Shape::FLOAT, "interval", "any number"),
+            // Words inside of words are none.
+            ("beta2", Shape::FLOAT, "interval", "a share"),
+            ("vnormal", vec3, "direction", "a direction"),
+            ("zeta", Shape::FLOAT, "interval", "any number"),
+            ("allocation", vec3, "interval", "any number"),
         ] {
             assert_eq!(guessed(name, shape), (generator, taken_for), "{name}");
         }
+    }
+
+    #[test]
+    fn what_a_variable_is_declared_as_is_used_as_the_variable_is() {
+        use base::text::SourceFile;
+        use syntax::{Shader, Stage};
+        let text = "float f(float a, float b) { float x = a; float y = b; y = -y; return log(x) + sqrt(y); }\n";
+        let parsed = Shader::parse(&SourceFile::new("a.glsl", text), Stage::Library);
+        let usages = Usages::of(&parsed.shader);
+        let positive = |name: &str| {
+            let (symbol, _) = parsed.shader.symbols().find(|(_, s)| s.name == name).unwrap();
+            usages.of_input(symbol, name).has(Usage::Positive)
+        };
+        assert!(positive("a") && !positive("b"), "`y` is another number by then");
     }
 
     #[test]

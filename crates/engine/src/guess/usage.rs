@@ -4,8 +4,9 @@ use std::collections::HashMap;
 
 use syntax::Shader;
 use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind};
-use syntax::symbols::{CallTarget, SymbolId, SymbolKind};
+use syntax::symbols::{CallTarget, SymbolId};
 use syntax::types::{ArraySize, ScalarType, Type};
+use syntax::walk::initial_values;
 
 /// A way to use a value that says which values are meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,29 +104,43 @@ impl Usages {
                 _ => {}
             }
         }
-        while found.pass_on(shader) {}
+        let initial = initial_values(shader);
+        while found.pass_on(shader, &initial) {}
         found
     }
 
-    /// Gives arguments the uses of their parameters; true when that tells anything new.
-    fn pass_on(&mut self, shader: &Shader) -> bool {
+    /// Gives arguments the uses of their parameters, and what a variable was declared as the uses of the variable; true
+    /// when that tells anything new.
+    fn pass_on(&mut self, shader: &Shader, initial: &HashMap<SymbolId, ExprId>) -> bool {
         let mut new = false;
+        for (&variable, &value) in initial {
+            if let Some((given, path)) = part(shader, value) {
+                new |= self.hand_on(variable, (given, &path));
+            }
+        }
         for (id, expr) in shader.arena().iter() {
             let ExprKind::Call { args, .. } = &expr.kind else { continue };
             let Some(CallTarget::User(function)) = shader.callee(id) else { continue };
             for (param, &arg) in shader.function_info(*function).params.iter().zip(args) {
                 let (Some(symbol), Some((given, path))) = (param.symbol, part(shader, arg)) else { continue };
-                let inner: Vec<(String, Uses)> = self
-                    .parts
-                    .iter()
-                    .filter(|((of, _), _)| *of == symbol)
-                    .map(|((_, member), uses)| (format!("{path}{member}"), uses.clone()))
-                    .collect();
-                for (path, uses) in inner {
-                    let known = self.parts.entry((given, path)).or_default();
-                    uses.0.into_iter().for_each(|usage| new |= known.add(usage));
-                }
+                new |= self.hand_on(symbol, (given, &path));
             }
+        }
+        new
+    }
+
+    /// Gives a part of `given` the uses of `symbol`, which has its value; true when that tells anything new.
+    fn hand_on(&mut self, symbol: SymbolId, (given, path): (SymbolId, &str)) -> bool {
+        let inner: Vec<(String, Uses)> = self
+            .parts
+            .iter()
+            .filter(|((of, _), _)| *of == symbol)
+            .map(|((_, member), uses)| (format!("{path}{member}"), uses.clone()))
+            .collect();
+        let mut new = false;
+        for (path, uses) in inner {
+            let known = self.parts.entry((given, path)).or_default();
+            uses.0.into_iter().for_each(|usage| new |= known.add(usage));
         }
         new
     }
@@ -181,10 +196,7 @@ fn part(shader: &Shader, id: ExprId) -> Option<Part> {
     match &shader.expr(id).kind {
         ExprKind::Paren(inner) => part(shader, *inner),
         ExprKind::Index { base, .. } => part(shader, *base),
-        ExprKind::Name(_) => {
-            let symbol = shader.symbol_of(id)?;
-            (shader.symbol(symbol).kind != SymbolKind::Local).then(|| (symbol, String::new()))
-        }
+        ExprKind::Name(_) => Some((shader.symbol_of(id)?, String::new())),
         ExprKind::Field { base, field } => {
             let (symbol, path) = part(shader, *base)?;
             let swizzle = matches!(shader.type_of(*base), Type::Vector(..) | Type::Scalar(_));

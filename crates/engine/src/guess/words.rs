@@ -93,6 +93,11 @@ const WORDS: &[(&[&str], Guess)] = &[
             "transparency",
             "occlusion",
             "reflectance",
+            // Of optimisers: how much of an average is kept.
+            "beta",
+            "momentum",
+            "decay",
+            "dropout",
         ],
         guess("interval", Some([0.0, 1.0]), SHARE),
     ),
@@ -183,6 +188,20 @@ fn known(word: &str) -> impl Iterator<Item = Guess> {
     WORDS.iter().filter(move |(known, _)| known.contains(&word)).map(|(_, guess)| guess.clone())
 }
 
+/// True where two parts of a name are words that stand side by side (`lightdir`) or a word behind a letter that says what
+/// kind of variable it is (`vnormal`); `beta` is no `b` with an `eta`, and `allocation` no `al` with a `location`.
+fn joins(before: &str, word: &str) -> bool {
+    word.len() >= 3
+        && match before.len() {
+            0 => true,
+            1 => KINDS.contains(before),
+            n => n >= 3,
+        }
+}
+
+/// Letters that names of attributes, varyings, uniforms, fragments, inputs, outputs, globals, members and samplers begin with.
+const KINDS: &str = "avufiogms";
+
 /// What the words of a name may stand for, the likeliest first: the member before what it is a member of, and the last
 /// word before what qualifies it.
 pub(super) fn candidates(name: &str) -> Vec<Guess> {
@@ -196,7 +215,7 @@ pub(super) fn candidates(name: &str) -> Vec<Guess> {
         let longest = WORDS
             .iter()
             .flat_map(|(known, guess)| known.iter().map(move |known| (*known, guess)))
-            .filter(|(known, _)| known.len() >= 3 && word.ends_with(known))
+            .filter(|(known, _)| word.strip_suffix(known).is_some_and(|before| joins(before, known)))
             .max_by_key(|(known, _)| known.len());
         longest.map(|(_, guess)| guess.clone())
     };

@@ -1,13 +1,15 @@
 //! First suites for shaders that have none: what can be run, domains guessed from names and types, and laws
 //! that were seen to hold.
 
+mod inputs;
+
 use std::fmt::Write;
 
 use super::run::of_module as of_module_text;
 use super::run::{DEFAULT_SEED, FindingKind, Prepared, Report, Request, RunError, prepare, run};
 use super::{Stage, Suite, parse};
 use crate::dispatch::{Dispatched, Drafted};
-use crate::guess::{self, Role};
+use crate::fuzz::Known;
 use base::diagnostic::Diagnostic;
 use base::text::SourceFile;
 use base::value::{Field, Scalar, Shape};
@@ -24,6 +26,10 @@ const DEFAULT_SAMPLES: u64 = 16384;
 const DISPATCHES: u64 = 32;
 /// Dispatches on which a new suite is tried in each size.
 const TRIED: u64 = 8;
+/// Samples on which a law has to be checked before it is written down.
+const LEAST_CHECKED: u64 = 64;
+/// Share of inconclusive samples from which on a suite tests hardly anything.
+const NEARLY_ALL: f64 = 0.9;
 /// Functions of one file that get a suite.
 const MOST_FUNCTIONS: usize = 12;
 
@@ -39,7 +45,9 @@ pub struct Subject {
 /// A suite that was written and tried.
 #[derive(Clone, Debug)]
 pub struct Draft {
-    /// The suite file, in TOML.
+    /// The name of the suite.
+    pub name: String,
+    /// The suite, in TOML, as a file of its own.
     pub text: String,
     /// Inputs that are filled.
     pub inputs: usize,
@@ -133,10 +141,21 @@ pub fn draft(
         }
     }
     .map_err(|error| in_a_line(&error))?;
-    let Sketch { inputs, groups, candidates } = match subject.stage {
-        Stage::Compute => of_dispatch(&program)?,
-        _ => of_invocations(&program, subject.stage)?,
+    let function = subject.entry.as_deref().unwrap_or("main");
+    let sketch = |tree: Option<&Shader>| {
+        let known = Known::of(tree).map_err(|hint| format!("{}: {}", hint.at, hint.why))?;
+        match subject.stage {
+            Stage::Compute => of_dispatch(&program, (&known, function)),
+            _ => of_invocations(&program, subject.stage, (&known, function)),
+        }
     };
+    let Sketch { inputs, groups, candidates } = match Written::of(file) {
+        Written::Glsl => sketch(Some(&Shader::parse(file, stage).shader)),
+        Written::Wgsl | Written::SpirV | Written::SpirVAssembly | Written::Hlsl | Written::Slang => {
+            let module = super::read_module(file).ok();
+            sketch(module.as_ref().and_then(|module| module.tree()))
+        }
+    }?;
     let head = head(subject, name, shader);
     let assemble = |laws: &[String], floors: &str| {
         let mut text = head.clone();
@@ -164,7 +183,7 @@ pub fn draft(
         // What is wrong with it is what a first suite is to show.
         Err(Unready::Open(complaints)) => {
             let text = commented(&assemble(&[], ""), &complaints);
-            return Ok(Draft { text, inputs, laws: 0, complaints });
+            return Ok(Draft { name: name.to_owned(), text, inputs, laws: 0, complaints });
         }
         Err(Unready::Other(why)) => return Err(why),
     };
@@ -174,17 +193,20 @@ pub fn draft(
         .filter(|f| matches!(f.kind, FindingKind::Relation | FindingKind::Vacuous))
         .filter_map(|f| f.message.split('`').nth(1))
         .collect();
-    let laws: Vec<String> =
-        candidates.into_iter().filter(|(name, _)| !broken.contains(&name.as_str())).map(|(_, law)| law).collect();
+    // What held wherever it was looked at, and was looked at hardly anywhere, was not seen to hold.
+    let seldom = |name: &str| {
+        let checked = report.relations.iter().find(|(own, _)| own == name).map_or(0, |(_, checked)| *checked);
+        subject.stage != Stage::Compute && checked < LEAST_CHECKED
+    };
+    let holds = |name: &str| !broken.contains(&name) && !seldom(name);
+    let laws: Vec<String> = candidates.into_iter().filter(|(name, _)| holds(name)).map(|(_, law)| law).collect();
     // A device leaves more samples open than the interpreter, which is more exact than is promised.
-    let mut floors = floors(&report);
-    let mut worst = share(&report);
     let prepared = last(&assemble(&laws, ""))?;
-    for report in devices.iter().filter_map(|device| tried(&prepared, *device).ok()) {
-        if share(&report) > worst {
-            (worst, floors) = (share(&report), self::floors(&report));
-        }
-    }
+    let on_devices = devices.iter().filter_map(|device| tried(&prepared, *device).ok());
+    let reports: Vec<Report> = [report].into_iter().chain(on_devices).collect();
+    let open = reports.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
+    open.map_or(Ok(()), refuse_vacuous)?;
+    let floors = open.map_or_else(String::new, floors);
     let text = assemble(&laws, &floors);
     let mut complaints: Vec<String> = Vec::new();
     match ready(&text, file) {
@@ -204,7 +226,26 @@ pub fn draft(
     // Other sizes show the same with other numbers.
     let apart = |complaint: &String| complaint.replace(|c: char| c.is_ascii_digit(), "");
     complaints.retain(|complaint| seen.insert(apart(complaint)));
-    Ok(Draft { text: commented(&text, &complaints), inputs, laws: laws.len(), complaints })
+    let text = commented(&text, &complaints);
+    Ok(Draft { name: name.to_owned(), text, inputs, laws: laws.len(), complaints })
+}
+
+/// A suite file with all suites of a shader.
+pub fn file(shader: &str, drafts: &[Draft]) -> String {
+    if let [alone] = drafts {
+        return alone.text.clone();
+    }
+    let mut text = format!("shader = {shader:?}\n");
+    for draft in drafts {
+        text.push_str("\n[[suites]]\n");
+        for line in draft.text.lines().filter(|line| !line.starts_with("shader = ")) {
+            // A header of a table; lists end in lines of their own, and begin behind their key.
+            let (brackets, title) = line.split_at(line.len() - line.trim_start_matches('[').len());
+            let inside = if brackets.is_empty() { "" } else { "suites." };
+            let _ = writeln!(text, "{brackets}{inside}{title}");
+        }
+    }
+    text
 }
 
 /// A suite about a shader that has none left: a table without a size.
@@ -220,7 +261,7 @@ struct Sketch {
     candidates: Vec<(String, String)>,
 }
 
-fn of_invocations(program: &Program, stage: Stage) -> Result<Sketch, String> {
+fn of_invocations(program: &Program, stage: Stage, about: (&Known<'_>, &str)) -> Result<Sketch, String> {
     let (invocation, case) = (program.invocation_record(), program.case_record());
     let outputs = program.output_layout().vertex;
     if outputs.fields().is_empty() {
@@ -230,13 +271,14 @@ fn of_invocations(program: &Program, stage: Stage) -> Result<Sketch, String> {
     if inputs.is_empty() {
         return Err("it takes nothing that could be varied".to_owned());
     }
-    let groups = groups(&inputs, case.fields().len(), program);
+    let groups = inputs::groups((&inputs, case.fields().len()), program, about);
     Ok(Sketch { inputs: inputs.len(), groups, candidates: laws(stage, &inputs, outputs.fields()) })
 }
 
-fn of_dispatch(program: &Program) -> Result<Sketch, String> {
+fn of_dispatch(program: &Program, (known, function): (&Known<'_>, &str)) -> Result<Sketch, String> {
     let dispatched = Dispatched::new(program).ok_or("it is no compute stage")??;
-    let Drafted { dispatch, inputs, count, laws } = dispatched.draft().map_err(|error| in_a_line(&error))?;
+    let used = |field: &Field| known.uses(function, field);
+    let Drafted { dispatch, inputs, count, laws } = dispatched.draft(&used).map_err(|error| in_a_line(&error))?;
     Ok(Sketch { inputs: count, groups: dispatch + &inputs, candidates: laws })
 }
 
@@ -327,36 +369,6 @@ fn head(subject: &Subject, name: &str, shader: &str) -> String {
     text
 }
 
-/// The groups of inputs: those that are filled alike stand together, uniforms apart from the others.
-fn groups(inputs: &[&Field], uniforms: usize, program: &Program) -> String {
-    let mut groups: Vec<(bool, guess::Guess, Vec<&str>)> = Vec::new();
-    for (k, field) in inputs.iter().enumerate() {
-        let guess = match program.largest(&field.name) {
-            Some(most) => guess::number_of_the_draw(most),
-            None => guess::of(field, if k < uniforms { Role::Uniform } else { Role::Parameter }),
-        };
-        let uniform = k < uniforms;
-        // Bones and weights keep laws between the inputs of a group; others only share a range.
-        let joins = |g: &&mut (bool, guess::Guess, Vec<&str>)| {
-            g.0 == uniform && g.1 == guess && matches!(guess.generator, "interval" | "index" | "point")
-        };
-        match groups.iter_mut().find(joins) {
-            Some(group) => group.2.push(&field.name),
-            None => groups.push((uniform, guess, vec![&field.name])),
-        }
-    }
-    let mut text = String::new();
-    for (_, guess, names) in groups {
-        let list: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
-        let _ = write!(text, "\n[[inputs]] # taken for {}\n", guess.taken_for);
-        let _ = write!(text, "names = [{}]\ngenerator = {:?}\n", list.join(", "), guess.generator);
-        if let Some([lo, hi]) = guess.range {
-            let _ = writeln!(text, "range = [{lo:?}, {hi:?}]");
-        }
-    }
-    text
-}
-
 /// Laws that may hold, with their names in reports.
 fn laws(stage: Stage, inputs: &[&Field], outputs: &[Field]) -> Vec<(String, String)> {
     let mut all = Vec::new();
@@ -395,18 +407,38 @@ fn laws(stage: Stage, inputs: &[&Field], outputs: &[Field]) -> Vec<(String, Stri
     all
 }
 
-/// Floors that the run reaches, where the usual ones are too high.
+/// Share of the samples that decide nothing.
 fn share(report: &Report) -> f64 {
     report.verdicts.undetermined_count() as f64 / report.verdicts.seen().max(1) as f64
 }
 
+/// Floors that the run reaches, where the usual ones are too high.
 fn floors(report: &Report) -> String {
     let share = share(report);
-    if share <= 0.04 || share >= 1.0 {
+    if share <= 0.04 {
         return String::new();
     }
-    let ceiling = ((share * 1.25 + 0.01) * 100.0).ceil().min(100.0) / 100.0;
+    // Never all of them: a ceiling that no run could break is none.
+    let ceiling = ((share * 1.25 + 0.01).min(0.5 * (1.0 + share)) * 100.0).ceil() / 100.0;
+    format!("\n[floors]\nundetermined = {ceiling:?}\nreason = \"{}\"\n", doubt(report))
+}
+
+/// What most samples are inconclusive for.
+fn doubt(report: &Report) -> String {
     let why = report.doubts.first().map_or_else(|| "not known".to_owned(), ToString::to_string);
-    let why = why.split_once(" undetermined, ").map_or(why.as_str(), |(_, why)| why).replace(['"', '\\'], "'");
-    format!("\n[floors]\nundetermined = {ceiling:?}\nreason = \"{why}\"\n")
+    why.split_once(" undetermined, ").map_or(why.as_str(), |(_, why)| why).replace(['"', '\\'], "'")
+}
+
+/// A suite that hardly any run could fail is none: most of its samples are inconclusive.
+fn refuse_vacuous(report: &Report) -> Result<(), String> {
+    let share = share(report);
+    if share < NEARLY_ALL || report.errors().iter().any(|finding| finding.kind != FindingKind::Floor) {
+        return Ok(());
+    }
+    Err(format!(
+        "{:.0} % of its samples are inconclusive: {}; state what its inputs are in a comment before it, such as \
+         `// shadercheck: x in [0, 1]`",
+        100.0 * share,
+        doubt(report)
+    ))
 }

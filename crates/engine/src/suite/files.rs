@@ -12,7 +12,7 @@ use property::regressions::{self, Regression};
 
 use super::error::LoadError;
 use super::expectations::FILE;
-use super::{Contents, Expect, Includes, Suite, combinations, parse};
+use super::{Contents, Expect, Includes, Suite, combinations, parse_all};
 use disk::{elsewhere, fresh, read_source};
 
 /// Ending of a suite file.
@@ -50,14 +50,19 @@ pub fn read_shader(path: &Path, includes: &mut Includes) -> Result<SourceFile, L
     if Written::of(&file) == Written::Wgsl { Ok(file) } else { includes.resolve(&file) }
 }
 
-/// Reads a suite file and the shader that it names, which lies beside it.
+/// Reads a suite file, with one suite or several, and the shaders that it names, which lie beside it.
 ///
 /// # Errors
 /// A file that cannot be read or is no text, and everything that is wrong in the suite file.
-pub fn load(path: &Path) -> Result<Loaded, LoadError> {
+pub fn load_all(path: &Path) -> Result<Vec<Loaded>, LoadError> {
     let bytes = read_source(path).map_err(|source| LoadError::Read { path: path.to_owned(), source })?;
-    let mut suite = parse(&SourceFile::from_bytes(&path.display().to_string(), &bytes)?)?;
+    let suites = parse_all(&SourceFile::from_bytes(&path.display().to_string(), &bytes)?)?;
     let folder = path.parent().unwrap_or(Path::new(""));
+    suites.into_iter().map(|suite| attached(suite, folder)).collect()
+}
+
+/// A suite with the texts that it names.
+fn attached(mut suite: Suite, folder: &Path) -> Result<Loaded, LoadError> {
     for searched in &mut suite.includes.folders {
         *searched = folder.join(&*searched);
         if !searched.is_dir() {

@@ -5,6 +5,7 @@ use std::fmt::Write;
 
 use serde_json::{Map, Value, json};
 
+use super::parse::SUITES;
 use crate::catalogue;
 use judge::verdict::Literals;
 use property::generators::Generator;
@@ -216,6 +217,12 @@ pub(super) const SECTIONS: &[Section] = &[
         ],
     },
     Section {
+        title: "[[suites]]",
+        about: "Several suites in one file, each with the keys above and below: `[[suites.inputs]]`, `[suites.floors]`. What one \
+                does not say itself, such as `shader`, it takes from the top of the file. `check FILE[NAME]` runs one of them.",
+        keys: &[],
+    },
+    Section {
         title: "[[inputs]]",
         about: "A group of inputs that one generator fills. Uniforms are inputs like all others: a fixed one has the \
                 generator `constant`. Numbers of the draw (`gl_VertexID`, `gl_InstanceID`, `gl_PrimitiveIDIn`, …) are \
@@ -238,6 +245,12 @@ pub(super) const SECTIONS: &[Section] = &[
                 "components",
                 Form::Whole { least: 1, most: 4 },
                 "Floats that the host feeds to an attribute; the rest is filled from (0, 0, 0, 1).",
+            ),
+            key(
+                "guessed",
+                Form::Flag,
+                "`true` where nobody stated these values, as in suites that `init` writes: an undefined value that comes of \
+                 them is a warning. Delete the line once they are what programs give.",
             ),
         ],
     },
@@ -404,6 +417,20 @@ fn wrapped(text: &str, indent: usize) -> String {
 /// The JSON Schema (2020-12) of suite files.
 pub fn schema() -> Value {
     let mut root = object(&SECTIONS[0]);
+    // One of several takes from the top of the file what it does not say itself, so that what belongs together may stand apart.
+    let mut part = root.clone();
+    part.insert("required".into(), json!(["suite"]));
+    part.remove("allOf");
+    let required = root.remove("required");
+    let alone = json!({ "if": { "not": { "required": [SUITES] } }, "then": { "required": required } });
+    if let Some(Value::Object(properties)) = root.get_mut("properties") {
+        let about = section("[[suites]]").about.split_whitespace().collect::<Vec<_>>().join(" ");
+        let list = json!({ "type": "array", "minItems": 1, "items": part, "description": about });
+        properties.insert(SUITES.into(), list);
+    }
+    let rules = root.remove("allOf");
+    let together = json!({ "if": { "not": { "required": [SUITES] } }, "then": { "allOf": rules } });
+    root.insert("allOf".into(), json!([alone, together]));
     root.insert("$schema".into(), "https://json-schema.org/draft/2020-12/schema".into());
     root.insert("title".into(), "Suite of shadercheck".into());
     Value::Object(root)
@@ -521,7 +548,9 @@ mod tests {
 
     #[test]
     fn the_table_has_the_keys_that_are_read() {
-        for section in SECTIONS.iter().filter(|section| section.title != "[[relations]]") {
+        // A suite of several has the keys of the top level.
+        let own = |section: &&Section| !["[[relations]]", "[[suites]]"].contains(&section.title);
+        for section in SECTIONS.iter().filter(own) {
             let mut keys: Vec<&str> = section.keys.iter().map(|key| key.name).collect();
             keys.sort_unstable();
             assert_eq!(known(&format!("{}\nqqqqqqqqqqqqq = 1\n", section.title)), keys, "{}", section.title);

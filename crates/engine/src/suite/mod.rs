@@ -35,14 +35,14 @@ pub use dispatch::{Count, Dispatching};
 pub use error::{LoadError, RunTextureError, SuiteError};
 pub use expect::{Define, Defines, Expect, RecordedFile, ReferenceFile, combinations};
 pub use files::{
-    ENDING, Loaded, expectations_path, load, read_expectations, read_regressions, read_shader, regressions_path,
+    ENDING, Loaded, expectations_path, load_all, read_expectations, read_regressions, read_shader, regressions_path,
     save_regressions, search,
 };
 pub use includes::Includes;
 pub use joined::Joined;
 pub use keys::{page, schema};
 pub use module::read_module;
-pub use parse::{Names, parse, parse_with};
+pub use parse::{Names, parse, parse_all, parse_with};
 pub use record::rows;
 pub use shipped::{ShippedSuite, UnknownSuite, find, shipped};
 pub use textures::{BoundTexture, Contents};
@@ -118,6 +118,15 @@ impl Floors {
     }
 }
 
+/// Inputs whose values were guessed from names, types and uses.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GuessedInputs {
+    /// Their names.
+    pub names: Vec<String>,
+    /// `file:line:column` of the line to delete once the values are those that programs give.
+    pub at: String,
+}
+
 /// A suite as its file states it.
 #[derive(Clone, Debug)]
 pub struct Suite {
@@ -159,6 +168,8 @@ pub struct Suite {
     pub entries: Vec<String>,
     /// What fills the inputs. Of several functions, each takes the groups of its own parameters.
     pub inputs: Vec<InputGroup>,
+    /// Inputs whose values nobody stated: `init` guessed them.
+    pub guessed: Vec<GuessedInputs>,
     /// What a run must reach.
     pub floors: Floors,
     /// What is made of literals that are known constants in few digits.

@@ -196,7 +196,7 @@ fn an_empty_file_is_no_suite() {
 fn files_that_cannot_be_read_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("s.suite.toml");
-    let message = |path: &Path| load(path).map(|_| ()).unwrap_err().to_string();
+    let message = |path: &Path| load_all(path).map(|_| ()).unwrap_err().to_string();
     assert!(message(&file).starts_with("cannot read `") && message(&file).contains("s.suite.toml"));
     assert!(message(folder.path()).starts_with("cannot read `"), "a folder");
     fs::write(&file, b"suite = \"\x8b\"").unwrap();

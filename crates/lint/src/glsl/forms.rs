@@ -1,16 +1,16 @@
 //! What rules share that look at the form of expressions: parents, values of variables that are written once, factors.
 
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap};
 
 use crate::range::{Observed, Range};
 use crate::rule::Level;
 use syntax::Shader;
 use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind};
-use syntax::symbols::{CallTarget, SymbolId, SymbolKind};
+use syntax::symbols::{CallTarget, SymbolId};
 use syntax::types::Type;
 
 use super::numeric::{BuiltinCall, bare, constant};
-use super::walk::declarators;
+use super::walk::initial_values;
 
 /// Variables that are followed to what they are declared as, one in the other.
 const MOST_NAMES: usize = 4;
@@ -29,19 +29,7 @@ impl<'s> Forms<'s> {
         for (id, expr) in shader.arena().iter() {
             expr.children().iter().for_each(|c| parents[c.index()] = Some(id));
         }
-        let written: HashSet<SymbolId> = shader.uses().iter().filter(|u| u.access.writes()).map(|u| u.symbol).collect();
-        let locals: HashMap<usize, SymbolId> = shader
-            .symbols()
-            .filter(|(id, s)| s.kind == SymbolKind::Local && !written.contains(id))
-            .filter_map(|(id, s)| Some((s.span?.start, id)))
-            .collect();
-        let mut initial = HashMap::new();
-        declarators(shader, |d| {
-            if let (Some(symbol), Some(value)) = (locals.get(&d.name.span.start), &d.initializer) {
-                initial.insert(*symbol, value.value);
-            }
-        });
-        Self { shader, parents, initial }
+        Self { shader, parents, initial: initial_values(shader) }
     }
 
     /// What an expression is an operand of; parentheses do not count.

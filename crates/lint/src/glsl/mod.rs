@@ -13,9 +13,9 @@ mod pixels;
 #[cfg(test)]
 mod testing;
 mod variable;
-pub(crate) mod walk;
 
 pub(super) use numeric::bare;
+pub(crate) use syntax::walk;
 pub(super) use walk::has_errors;
 
 // Rules: each in a folder with its name, with its pages.

@@ -14,6 +14,7 @@ pub(super) fn who(finding: &Finding, lane: &str) -> String {
     match (finding.kind, blame) {
         (FindingKind::Deviation, Some(Blame::Shader)) | (FindingKind::Undefined, _) => "The shader".to_owned(),
         (FindingKind::Deviation, _) => format!("The lane {lane}"),
+        (FindingKind::Guessed, _) => "A guessed range".to_owned(),
         (FindingKind::Relation, _) => "A relation".to_owned(),
         (FindingKind::Translation, _) => "A translation".to_owned(),
         (FindingKind::Coverage, _) => "Not drawn".to_owned(),
@@ -72,6 +73,7 @@ pub(super) fn how_many(finding: &Finding) -> Option<String> {
         }
         FindingKind::Deviation
         | FindingKind::Undefined
+        | FindingKind::Guessed
         | FindingKind::Relation
         | FindingKind::Translation
         | FindingKind::Quality

@@ -16,7 +16,7 @@ use property::{InputGroup, Own};
 use super::dispatch::SizedInput;
 use super::expect::hint;
 use super::textures::WORDS;
-use super::{BoundTexture, Contents, Dispatching, Floors, Includes, Stage, Suite, SuiteError};
+use super::{BoundTexture, Contents, Dispatching, Floors, GuessedInputs, Includes, Stage, Suite, SuiteError};
 use disk::table::{At, Reader, Table};
 
 const KEYS: [&str; 22] = [
@@ -43,7 +43,7 @@ const KEYS: [&str; 22] = [
     "strands",
     "dispatch",
 ];
-const INPUT_KEYS: [&str; 5] = ["names", "generator", "range", "components", "values"];
+const INPUT_KEYS: [&str; 6] = ["names", "generator", "range", "components", "values", "guessed"];
 /// Largest numbers that are taken for intended: 2^32 samples, 2^20 invocations of a case.
 const MOST_SAMPLES: u64 = 1 << 32;
 const MOST_PER_CASE: u64 = 1 << 20;
@@ -75,7 +75,7 @@ impl Names {
     }
 }
 
-/// Reads the text of a suite file. Touches no other file: whether the shader exists and has these
+/// Reads the text of a suite file with one suite. Touches no other file: whether the shader exists and has these
 /// inputs shows later.
 ///
 /// # Errors
@@ -83,6 +83,35 @@ impl Names {
 pub fn parse(file: &SourceFile) -> Result<Suite, SuiteError> {
     parse_with(file, &Names::built_in())
 }
+
+/// Reads the text of a suite file with any number of suites: the one of the whole file, or those of its tables
+/// `[[suites]]`, which take from the top of the file what they do not say themselves.
+///
+/// # Errors
+/// Everything that is wrong, each with `file:line:column`.
+pub fn parse_all(file: &SourceFile) -> Result<Vec<Suite>, SuiteError> {
+    let reader = Reader::new(file);
+    let document = DeTable::parse(file.text()).ok().filter(|document| document.get_ref().contains_key(SUITES));
+    let Some(document) = document else { return parse(file).map(|suite| vec![suite]) };
+    let root = Table::root(&reader, document.get_ref());
+    let tables = root.inheriting(SUITES, "[[suites]]");
+    let names = Names::built_in();
+    let mut suites: Vec<Suite> = Vec::new();
+    for (table, offset) in &tables {
+        let Some(suite) = suite(Table::inside_of(&reader, table, *offset), file, &names) else { continue };
+        if suites.iter().any(|other| other.name == suite.name) {
+            reader.problem(*offset, format!("the suite `{}` stands twice in this file", suite.name));
+        }
+        suites.push(suite);
+    }
+    if tables.is_empty() {
+        reader.problem(root.offset_of(SUITES), "`suites` is empty; a file states at least one suite");
+    }
+    reader.finish(Some(suites), "the suites cannot be read").map_err(|problems| SuiteError { problems })
+}
+
+/// The key of a file with several suites.
+pub(super) const SUITES: &str = "suites";
 
 /// The same with other formulas and relations than those of this crate.
 ///
@@ -129,7 +158,7 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
     let textures = textures(root);
     let strands = strands(root, stage);
     let mut dispatch = dispatch::dispatch(root, stage);
-    let inputs = inputs(root, strands, dispatch.as_mut());
+    let (inputs, guessed) = inputs(root, strands, dispatch.as_mut());
     if root.has("strands") && inputs.iter().all(|group| group.generator.role() != Role::Strand) {
         let takers = catalogue::generators().filter(|generator| generator.role() == Role::Strand);
         let takers: Vec<String> = takers.map(|generator| format!("{:?}", generator.name())).collect();
@@ -157,6 +186,7 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
         relations,
         laws,
         inputs,
+        guessed,
         floors: floors?,
         literals: literals?,
         textures,
@@ -342,10 +372,20 @@ fn textures(root: Table<'_>) -> Vec<BoundTexture> {
     all
 }
 
-fn inputs(root: Table<'_>, strands: Option<Strands>, mut dispatch: Option<&mut Dispatching>) -> Vec<InputGroup> {
+/// The groups of inputs, and which of them are guessed.
+fn inputs(
+    root: Table<'_>,
+    strands: Option<Strands>,
+    mut dispatch: Option<&mut Dispatching>,
+) -> (Vec<InputGroup>, Vec<GuessedInputs>) {
     let mut groups: Vec<InputGroup> = Vec::new();
+    let mut guessed: Vec<GuessedInputs> = Vec::new();
     for table in root.tables("inputs", "[[inputs]]") {
         let Some((group, mut sized)) = input(table.only(&INPUT_KEYS), strands, dispatch.as_deref()) else { continue };
+        if table.has("guessed") && table.flag("guessed").unwrap_or_default() {
+            let at = table.reader.locate(table.offset_of("guessed"));
+            guessed.push(GuessedInputs { names: group.names.clone(), at });
+        }
         if let Some(dispatch) = dispatch.as_mut().filter(|_| !(sized.values.is_empty() && sized.range.is_empty())) {
             sized.group = groups.len();
             dispatch.inputs.push(sized);
@@ -357,7 +397,7 @@ fn inputs(root: Table<'_>, strands: Option<Strands>, mut dispatch: Option<&mut D
         }
         groups.push(group);
     }
-    groups
+    (groups, guessed)
 }
 
 fn input(

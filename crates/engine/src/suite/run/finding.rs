@@ -23,6 +23,8 @@ pub enum FindingKind {
     Deviation,
     /// An output of the shader depends on a value that the language leaves undefined.
     Undefined,
+    /// The same, for inputs whose values were guessed: a warning.
+    Guessed,
     /// The same inputs gave other outputs: a fault of the lane.
     Flaky,
     /// A relation between outputs does not hold.
@@ -49,9 +51,10 @@ pub enum FindingKind {
 
 impl FindingKind {
     /// All kinds.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Deviation,
         Self::Undefined,
+        Self::Guessed,
         Self::Flaky,
         Self::Relation,
         Self::Translation,
@@ -70,6 +73,7 @@ impl FindingKind {
         match self {
             Self::Deviation => "Outputs deviate from what is expected, or from what the shader means.",
             Self::Undefined => "An output of the shader depends on a value that the language leaves undefined.",
+            Self::Guessed => "An output depends on an undefined value, for inputs whose values were guessed.",
             Self::Flaky => "The same inputs gave other outputs when they ran again: a fault of the lane.",
             Self::Relation => "A relation between outputs does not hold.",
             Self::Translation => "A translation means something else than the shader.",
@@ -89,6 +93,7 @@ impl FindingKind {
         match self {
             Self::Deviation => "deviation",
             Self::Undefined => "undefined",
+            Self::Guessed => "guessed",
             Self::Flaky => "flaky",
             Self::Relation => "relation",
             Self::Translation => "translation",
@@ -106,7 +111,7 @@ impl FindingKind {
     /// True for what does not make a run fail.
     pub fn is_warning(self) -> bool {
         match self {
-            Self::Quality | Self::VacuousBound | Self::Range | Self::RoundedLiteral => true,
+            Self::Guessed | Self::Quality | Self::VacuousBound | Self::Range | Self::RoundedLiteral => true,
             Self::Deviation
             | Self::Undefined
             | Self::Flaky

@@ -5,11 +5,12 @@ use std::convert::Infallible;
 use super::finding::{self, Finding, FindingKind};
 use super::part::{Failing, Shown};
 use super::{Part, Prepared, Request};
+use base::value::Scalar;
 use judge::verdict::diagnosis::Place;
 use judge::verdict::{Fenced, dependences};
 use program::interp::{Dependence, author_span};
-use property::Sample;
 use property::shrink::{self, Shrunk};
+use property::{Sample, pattern};
 
 /// Operations that are told of one suite.
 const REPORTED: usize = 4;
@@ -40,9 +41,10 @@ pub(super) fn findings(
         let found = again.into_iter().flatten().next().unwrap_or(found);
         let mut case = finding::case(&prepared.program, &shrunk, None);
         case.diagnosis.written = place(prepared, &found);
+        let guesses = guesses(prepared, &shrunk.sample, &found);
         let finding = Finding {
-            kind: FindingKind::Undefined,
-            message: message(prepared, &found),
+            kind: if guesses.is_some() { FindingKind::Guessed } else { FindingKind::Undefined },
+            message: message(prepared, &found) + &guesses.unwrap_or_default(),
             case: Some(case),
             // Known when all parts of the run are.
             count: 0,
@@ -87,6 +89,57 @@ fn smallest(prepared: &Prepared, sample: Sample, found: &Dependence) -> Shrunk {
 fn message(prepared: &Prepared, found: &Dependence) -> String {
     let at = place(prepared, found).map_or_else(String::new, |place| format!("{place}: "));
     format!("the shader gives an undefined value: {at}{}", found.of.why(&found.args))
+}
+
+/// The guesses that it comes of, as the end of a message; none where every input is stated, and where it stays undefined
+/// whatever the guessed inputs are.
+fn guesses(prepared: &Prepared, sample: &Sample, found: &Dependence) -> Option<String> {
+    let guessed = &prepared.suite.guessed;
+    if guessed.is_empty() {
+        return None;
+    }
+    let is_guessed = |name: &str| guessed.iter().any(|group| group.names.iter().any(|own| *own == pattern(name)));
+    let others: Vec<Sample> = OTHERS.iter().map(|&other| with_others(sample, other, &is_guessed)).collect();
+    let same = |other: &Option<Dependence>| other.as_ref().is_some_and(|other| other.of == found.of);
+    if dependences(&prepared.oracle, &Sample::batch(&others)).iter().all(same) {
+        return None;
+    }
+    let lines: Vec<String> = guessed
+        .iter()
+        .take(REPORTED)
+        .map(|group| {
+            let names: Vec<String> = group.names.iter().map(|name| format!("`{name}`")).collect();
+            format!("{} ({})", group.at, names.join(", "))
+        })
+        .collect();
+    let more = match guessed.len().saturating_sub(REPORTED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    Some(format!(
+        "; these inputs are guessed: set `range` to what programs give, and delete `guessed = true`, at {}{more}",
+        lines.join(", ")
+    ))
+}
+
+/// Numbers that guessed inputs are tried with, real ones and whole ones.
+const OTHERS: [(f32, u32); 6] = [(0.5, 0), (1.0, 1), (2.0, 2), (4.0, 3), (0.0, 7), (-1.0, 64)];
+
+/// The sample with another number in each word of some inputs.
+fn with_others(sample: &Sample, (real, whole): (f32, u32), which: &dyn Fn(&str) -> bool) -> Sample {
+    let mut other = sample.clone();
+    let Sample { invocation, case, invocation_record, case_record } = &mut other;
+    for (words, record) in [(invocation, invocation_record), (case, case_record)] {
+        for (k, field) in record.fields().iter().enumerate().filter(|(_, field)| which(&field.name)) {
+            let number = match field.shape.scalar {
+                Scalar::F32 => real.to_bits(),
+                Scalar::I32 | Scalar::U32 => whole,
+                Scalar::Bool => whole & 1,
+            };
+            words[record.range(k)].fill(number);
+        }
+    }
+    other
 }
 
 /// Where it becomes undefined.

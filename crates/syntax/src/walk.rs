@@ -1,7 +1,10 @@
 //! Walks over the declarations and expressions of a shader.
 
-use syntax::Shader;
-use syntax::ast::{Condition, Declaration, Declarator, ExprId, ItemKind, Stmt, StmtKind};
+use std::collections::{HashMap, HashSet};
+
+use crate::Shader;
+use crate::ast::{Condition, Declaration, Declarator, ExprId, ItemKind, Stmt, StmtKind};
+use crate::symbols::{SymbolId, SymbolKind};
 
 /// Calls `visit` for every variable that is declared outside structures and blocks: global and local.
 pub fn declarators<'s>(shader: &'s Shader, mut visit: impl FnMut(&'s Declarator)) {
@@ -18,6 +21,23 @@ pub fn declarators<'s>(shader: &'s Shader, mut visit: impl FnMut(&'s Declarator)
         _ => {}
     });
     declared.iter().flat_map(|d| &d.declarators).for_each(&mut visit);
+}
+
+/// The value of each local variable that is given one where it is declared, and is written nowhere else.
+pub fn initial_values(shader: &Shader) -> HashMap<SymbolId, ExprId> {
+    let written: HashSet<SymbolId> = shader.uses().iter().filter(|u| u.access.writes()).map(|u| u.symbol).collect();
+    let locals: HashMap<usize, SymbolId> = shader
+        .symbols()
+        .filter(|(id, s)| s.kind == SymbolKind::Local && !written.contains(id))
+        .filter_map(|(id, s)| Some((s.span?.start, id)))
+        .collect();
+    let mut values = HashMap::new();
+    declarators(shader, |d| {
+        if let (Some(symbol), Some(value)) = (locals.get(&d.name.span.start), &d.initializer) {
+            values.insert(*symbol, value.value);
+        }
+    });
+    values
 }
 
 /// True when a statement of a function could not be read.
