@@ -360,6 +360,27 @@ fn included_files_keep_their_names_and_the_command_shows_it_again() {
 }
 
 #[test]
+fn what_rests_on_a_number_of_the_host_that_was_chosen_is_a_warning() {
+    let kernel = |value: &str| {
+        format!(
+            "struct P {{ time: f32, width: u32 }}\n@group(0) @binding(0) var<storage, read_write> o: array<f32, 4>;\n\
+             @group(0) @binding(1) var<uniform> p: P;\n@compute @workgroup_size(4)\n\
+             fn main(@builtin(local_invocation_index) i: u32) {{ let w = vec2f(f32(p.width), 1.0); o[i] = {value}; }}\n"
+        )
+    };
+    let fuzzed = |value: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("k.wgsl"), kernel(value)).unwrap();
+        crate::binary::run_in(folder.path(), "fuzz k.wgsl --lane embedded")
+    };
+    let ran = fuzzed("f32(i) / w.x").expect(0);
+    assert!(ran.out.contains("warning: main: `o[0]` has no value"), "{}", ran.out);
+    // Whatever the width is.
+    let ran = fuzzed("w.x * f32(i) / (w.y - 1.0)").expect(1);
+    assert!(ran.out.contains("has no value") || ran.out.contains("is infinite"), "{}", ran.out);
+}
+
+#[test]
 fn wrong_usage_is_reported() {
     let folder = folder();
     let reported = |args: &str, text: &str| {

@@ -14,6 +14,7 @@ mod domain;
 mod finding;
 mod generate;
 mod hint;
+mod host_numbers;
 mod lanes;
 mod lowered;
 mod modules;

@@ -6,6 +6,7 @@ use super::crossing;
 use super::domain::{Domain, InputDomain, Law, Standing, Within};
 use super::finding::{Finding, FunctionReport, FuzzFindingKind, Part, Severity};
 use super::generate;
+use super::host_numbers;
 use super::lanes::OnLane;
 use super::lowered::Lowered;
 use super::name::{Key, Named, name, place, undefined};
@@ -437,15 +438,15 @@ fn add_findings(
     let Looked { ready, domain, .. } = looked;
     let stated = domain.is_stated();
     let mut groups: Vec<(Key, Group)> = groups.into_iter().collect();
-    let severity = |key: &Key, group: &Group| key.0.severity(group.standing, stated);
+    let severity = |key: &Key, group: &Group| {
+        let severity = key.0.severity(group.standing, stated);
+        let guessed = || host_numbers::are_needed(ready, domain, looked.sizes, &group.sample, key);
+        if severity == Severity::Finding && request.case.is_none() && guessed() { Severity::Warning } else { severity }
+    };
+    let severities: HashMap<Key, Severity> = groups.iter().map(|(key, group)| (*key, severity(key, group))).collect();
+    let severity = |key: &Key| severities.get(key).copied().unwrap_or(Severity::Note);
     groups.sort_by_key(|(key, group)| {
-        (
-            severity(key, group),
-            key.0,
-            std::cmp::Reverse(group.counting),
-            key.2.map(|s| s.index()),
-            key.1.map(|op| op.name()),
-        )
+        (severity(key), key.0, std::cmp::Reverse(group.counting), key.2.map(|s| s.index()), key.1.map(|op| op.name()))
     });
     let by_chance = |group: &Group| {
         let paired = group.named.kind == FuzzFindingKind::RoundingOrder && group.named.pair.is_some();
@@ -453,7 +454,7 @@ fn add_findings(
     };
     groups.retain(|(_, group)| !by_chance(group));
     for (index, (key, group)) in groups.into_iter().enumerate() {
-        let severity = severity(&key, &group);
+        let severity = severity(&key);
         // Digits that are lost on one way to the outputs are one finding, with all places.
         let ill_conditioned = key.0 == FuzzFindingKind::IllConditioned;
         let same = |f: &&mut Finding| f.kind == key.0 && f.severity == severity && f.lane.is_none();
