@@ -83,6 +83,10 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
     if found.is_empty() {
         return Vec::new();
     }
+    // Where reading ended at a limit is known, whatever a host adds.
+    if found.iter().any(|d| d.code == errors::TOO_DEEP) {
+        return found.iter().map(|d| d.code != errors::TOO_DEEP).collect();
+    }
     let file = shader.file();
     if dialect::needs_another_reader(shader) || found.iter().any(|d| dialect::is_mark(file, d)) {
         return vec![true; found.len()];

@@ -143,7 +143,7 @@ pub const ALL: &[(Code, &str)] = &[
     (SYNTAX, "the text does not follow the grammar"),
     (TOKEN, "a character or comment that is no part of the language"),
     (LITERAL, "a number that cannot be read or does not fit"),
-    (TOO_DEEP, "expressions, statements or types are nested too deeply to be read"),
+    (TOO_DEEP, "the text is larger, or nested deeper, than what is read"),
     (UNKNOWN_DIRECTIVE, "a directive that the language does not have"),
     (CONDITIONAL, "an #if without #endif, or an #else, #elif or #endif without #if"),
     (DIRECTIVE, "a directive that is written wrongly"),

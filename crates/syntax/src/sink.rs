@@ -1,5 +1,6 @@
 //! Where the parts of the front end put their diagnostics.
 
+use super::errors;
 use base::diagnostic::{Code, Diagnostic, Message, Severity};
 use base::text::{Expansion, SourceFile, Span};
 
@@ -49,8 +50,12 @@ impl Sink {
         Diagnostic::new(code, Severity::Error, &self.file, span, message)
     }
 
-    /// All diagnostics in the order of the text.
+    /// All diagnostics in the order of the text. Where reading ended at a limit, that alone: what is not read lacks whatever
+    /// would follow from it.
     pub(crate) fn finish(mut self) -> Vec<Diagnostic> {
+        if self.has(errors::TOO_DEEP) {
+            self.list.retain(|d| d.code == errors::TOO_DEEP);
+        }
         self.list.sort_by_key(|d| d.span.start);
         self.list
     }

@@ -9,7 +9,7 @@ use super::super::fold::Const;
 use super::super::interface::{Block, BlockMember, InputPrimitive, Located, OutputPrimitive, StageLayout, Storage};
 use super::super::language::Feature;
 use super::super::symbols::SymbolKind;
-use super::super::types::{StructField, StructType, Type};
+use super::super::types::{StructField, StructType, Type, too_large};
 use super::super::{Stage, builtin, errors};
 use super::layouts::Bearer;
 use super::{Checker, Entry};
@@ -234,6 +234,9 @@ impl Checker<'_> {
         self.offset_rules(block, storage, &placed);
         if reference {
             return;
+        }
+        if let Some(why) = too_large(&mut fields) {
+            self.sink.error(errors::TOO_DEEP, block.name.span, why, "use an array, or fewer levels");
         }
         let base = Type::Struct(Arc::new(StructType { name: block.name.name.clone(), fields, span: block.name.span }));
         let ty = self.dimensions(base, &block.dims);

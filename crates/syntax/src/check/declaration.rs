@@ -11,7 +11,7 @@ use super::super::interface::{Storage, Variable};
 use super::super::language::Feature;
 use super::super::names::nearest;
 use super::super::symbols::{Direction, FunctionId, FunctionInfo, ParamInfo, SymbolKind};
-use super::super::types::{ArraySize, OpaqueType, StructField, StructType, Type};
+use super::super::types::{ArraySize, OpaqueType, StructField, StructType, Type, too_large};
 use super::super::{Lacks, Stage, builtin, errors, parser};
 use super::expression::with_near;
 use super::layouts::Bearer;
@@ -154,6 +154,9 @@ impl Checker<'_> {
         }
         let name = specifier.name.as_ref().map_or_else(|| "<struct>".to_owned(), |n| n.name.clone());
         let span = specifier.name.as_ref().map_or(specifier.span, |n| n.span);
+        if let Some(why) = too_large(&mut fields) {
+            self.sink.error(errors::TOO_DEEP, span, why, "use an array, or fewer levels");
+        }
         let ty = Arc::new(StructType { name, fields, span });
         if let Some(name) = &specifier.name {
             let old = self.scopes.last().and_then(|s| s.entries.get(&name.name)).map(|e| match e {

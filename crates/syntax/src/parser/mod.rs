@@ -239,8 +239,8 @@ impl Parser<'_> {
     /// Counts a level of recursion.
     fn deeper<T>(&mut self, read: impl FnOnce(&mut Self) -> Read<T>) -> Read<T> {
         if self.depth >= DEEPEST {
-            let message = "the text is nested too deeply here";
-            self.sink.error(errors::TOO_DEEP, self.span(), message, format!("more than {DEEPEST} levels"));
+            let message = format!("the text is nested more than {DEEPEST} levels deep here, and is not read further");
+            self.sink.error(errors::TOO_DEEP, self.span(), message, "split it into several statements");
             return Err(Message);
         }
         self.depth += 1;

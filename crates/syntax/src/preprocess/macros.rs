@@ -163,8 +163,8 @@ impl Expander<'_> {
             let result = self.substitute(found, &name, &args, &tok, span);
             self.made += result.len() + 1;
             if self.made > MOST_TOKENS {
-                let message = format!("macro `{name}` expands to too many tokens");
-                self.sink.error(errors::MACRO, span, message, "this macro");
+                let message = format!("macro `{name}` and those before it expand to more than {MOST_TOKENS} tokens");
+                self.sink.error(errors::TOO_DEEP, span, message, "this macro");
                 return out;
             }
             for tok in result.into_iter().rev() {

@@ -279,3 +279,33 @@ fn patches_have_as_many_vertices_as_the_host_says() {
     let text = "#version 400\nlayout(triangles) in;\nin vec4 p[];\nvoid main() { for (int i = 0; i < 3; i++) gl_Position += p[i]; }\n";
     assert!(parse(text, Stage::TessEvaluation).diagnostics.is_empty());
 }
+
+#[test]
+fn a_type_that_doubles_is_a_limit_and_nothing_follows_from_it() {
+    let doubling = |count: usize, member: &dyn Fn(usize) -> String| -> String { (1..=count).map(member).collect() };
+    let glsl = |count| {
+        let all = doubling(count, &|k| format!("struct S{k} {{ S{0} a; S{0} b; }};\n", k - 1));
+        format!(
+            "#version 330 core\nstruct S0 {{ float a; }};\n{all}float f(float x) {{ S{count} s; return s.a.b.nothing + x; }}\n"
+        )
+    };
+    let codes = |name: &str, text: String| -> Vec<String> {
+        let parsed = Shader::parse(&SourceFile::new(name, text), Stage::Library);
+        parsed.diagnostics.iter().map(|d| d.code.to_string()).collect()
+    };
+    assert_eq!(codes("a.glsl", glsl(30)), ["E004"]);
+    assert_eq!(codes("a.glsl", glsl(10)), ["E034"], "a member that is not there");
+    let wgsl = |count| {
+        let all = doubling(count, &|k| format!("struct S{k} {{ a: S{0}, b: S{0} }}\n", k - 1));
+        format!("struct S0 {{ a: f32 }}\n{all}fn f(x: f32) -> f32 {{ var s: S{count}; return x; }}\n")
+    };
+    assert_eq!(codes("a.wgsl", wgsl(30)), ["E004"]);
+    assert_eq!(codes("a.wgsl", wgsl(10)), [""; 0]);
+    // Deep and not large.
+    let chain = |count| {
+        let all = doubling(count, &|k| format!("struct S{k} {{ S{} a; }};\n", k - 1));
+        format!("#version 330 core\nstruct S0 {{ float a; }};\n{all}float f(float x) {{ S{count} s; return x; }}\n")
+    };
+    assert_eq!(codes("a.glsl", chain(5000)), ["E004"]);
+    assert_eq!(codes("a.glsl", chain(100)), [""; 0]);
+}

@@ -11,9 +11,10 @@ use super::super::interface::Storage;
 use super::super::symbols::{
     CallTarget, Direction, FunctionId, FunctionInfo, ParamInfo, Symbol, SymbolId, SymbolKind, Use,
 };
-use super::super::types::{ArraySize, ScalarType, StructField, StructType, Type};
+use super::super::types::{ArraySize, ScalarType, StructField, StructType, Type, too_large};
 use super::syntax::{DeclarationKind, ModuleItem, TypeSyntax, VariableSyntax};
 use super::types;
+use base::text::Span;
 
 /// What a name means.
 #[derive(Clone, Debug)]
@@ -38,6 +39,8 @@ pub(super) struct Found {
     pub unknown: bool,
     /// Constant indices that no element has, with the number of elements.
     pub beyond: Vec<(ExprId, i64, u32)>,
+    /// Structures that are too large to be read, with the reason.
+    pub too_large: Vec<(Span, String)>,
     /// Symbols of variables at module scope, by the index of the item.
     pub globals: HashMap<usize, SymbolId>,
     /// Functions by the index of the item.
@@ -173,7 +176,8 @@ impl<'a> Checker<'a> {
                     span: m.name.span,
                     qualifiers: Qualifiers::default(),
                 };
-                let fields = members.iter().map(|m| field(self, m)).collect();
+                let mut fields: Vec<StructField> = members.iter().map(|m| field(self, m)).collect();
+                self.out.too_large.extend(too_large(&mut fields).map(|why| (name.span, why)));
                 Entry::Type(Type::Struct(Arc::new(StructType { name: name.name.clone(), fields, span: name.span })))
             }
             ModuleItem::Alias { name: _, ty } => Entry::Type(self.ty(ty)),

@@ -127,8 +127,23 @@ pub(super) fn read(file: &SourceFile) -> super::Parsed {
     let mut checker = check::Checker::new(&items, &locals, &constructed, &addresses, &mut arena);
     checker.suffixed = suffixed;
     let found = check::check(&unit, checker);
-    let check::Found { types, values, names, calls, symbols, functions, uses, unknown, beyond, globals, signatures } =
-        found;
+    let check::Found {
+        types,
+        values,
+        names,
+        calls,
+        symbols,
+        functions,
+        uses,
+        unknown,
+        beyond,
+        too_large,
+        globals,
+        signatures,
+    } = found;
+    for (span, why) in too_large {
+        sink.error(errors::TOO_DEEP, span, why, "use an array, or fewer levels");
+    }
     for (index, value, count) in beyond {
         let last = count.saturating_sub(1);
         let d = sink
