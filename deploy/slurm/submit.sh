@@ -3,7 +3,7 @@
 # for all of them.
 #
 #   submit.sh SHARDS DIR COMMAND...
-#   submit.sh 64 results check --samples 1000000000
+#   submit.sh 64 results check --shipped --samples 1000000000
 #
 # DIR is a folder that all nodes see. Prints the numbers of both jobs. A task that is requeued goes on from its last
 # checkpoint; submitting again with the same arguments does what is missing, and no more.

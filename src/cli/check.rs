@@ -42,10 +42,13 @@ use watched::Watched;
 /// Arguments of `shadercheck check`.
 #[derive(Args, Clone, Debug, Default)]
 pub struct CheckArgs {
-    /// Shipped suites by name, suite files (*.suite.toml), and folders that are searched for them;
-    /// all shipped suites without one
+    /// Suite files (*.suite.toml), shaders with suites beside them, folders that are searched, and shipped suites by name
+    /// [default: the current folder]
     #[arg(value_name = "SUITE|PATH")]
     pub suites: Vec<String>,
+    /// Also all suites that come with shadercheck
+    #[arg(long)]
+    pub shipped: bool,
     /// Run this shader instead of the suite's own; needs exactly one suite. Of a document: `README.md:12` for the
     /// shader at that line
     #[arg(long, value_name = "FILE")]
@@ -196,7 +199,7 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         shard.is_none() || args.is_text() || args.is_json(),
         "a shard has no whole report; with --shard, --format is text or json"
     );
-    let mut selected = select::select(&args.suites)?;
+    let mut selected = select::select(&args.suites, args.shipped)?;
     if args.strict_literals {
         selected.iter_mut().for_each(|one| one.suite.literals = Literals::Exact);
     }

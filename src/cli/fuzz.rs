@@ -10,6 +10,7 @@ use anyhow::Context as _;
 use clap::Args;
 
 use super::bar::Bar;
+use super::below;
 use super::check::Format;
 use super::check::shell_word;
 use super::compose::ComposeArgs;
@@ -62,8 +63,8 @@ Exit status: 0 no finding; 1 findings, or a file that does not compile; 2 usage,
 unavailable, or nothing could be run.")]
 pub struct FuzzArgs {
     /// Shader files, where the extension tells the stage and a file without `main` is a library; or documents and host
-    /// code with shaders, as a whole or at a line (`README.md:12`, `scene.cpp:40`)
-    #[arg(value_name = "FILE", required = true)]
+    /// code with shaders, as a whole or at a line (`README.md:12`, `scene.cpp:40`); folders are searched for shader files
+    #[arg(value_name = "PATH", default_value = ".")]
     pub files: Vec<PathBuf>,
     /// Only functions of this name; with the types of the parameters, one of several: `f(vec3, float)`
     #[arg(long, value_name = "NAME")]
@@ -121,13 +122,18 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     let stage = args.input.stage();
     let reading = args.input.reading(Some(&args.compose), args.function.first().map(String::as_str));
     let mut hosts = Hosts::default();
-    let sources: Vec<IncludedText> = args
-        .files
-        .iter()
-        .map(|path| includes::read_all(path, &reading, stage))
-        .collect::<anyhow::Result<Vec<_>>>()?
+    let (files, searched) = below::shaders(&args.files, |_| true)?;
+    let mut read = Vec::new();
+    for path in &files {
+        match includes::read_all(path, &reading, stage) {
+            Ok(texts) => read.extend(texts),
+            // One file of many does not keep the others from being run.
+            Err(error) if searched => writeln!(err, "left out: {error:#}")?,
+            Err(error) => return Err(error),
+        }
+    }
+    let sources: Vec<IncludedText> = read
         .into_iter()
-        .flatten()
         .map(|source| source.with_prelude(super::prelude(args.prelude.as_deref())))
         .map(|source| source.assuming(&args.input.define, &mut hosts))
         .collect();

@@ -1,12 +1,13 @@
 //! `shadercheck improve`: formulas that lose fewer bits than the expressions of a shader.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::Context as _;
 use clap::Args;
 
+use super::below;
 use super::check::{Format, profile, shell_word};
 use super::compose::ComposeArgs;
 use super::fuzz::{Inputs, all_known, subjects};
@@ -47,7 +48,7 @@ or by --domain. The range of an input of an expression must have both ends.
 Exit status: 0 nothing better was found, or it was written; 1 there are proposals, or a file does not compile; 2 usage.")]
 pub struct ImproveArgs {
     /// Shader files in GLSL or WGSL; `FILE:LINE` for the expressions at a line alone, however little they lose
-    #[arg(value_name = "FILE", required = true)]
+    #[arg(value_name = "PATH", default_value = ".")]
     pub files: Vec<PathBuf>,
     /// Only functions of this name; with the types of the parameters, one of several: `f(vec3, float)`
     #[arg(long, value_name = "NAME")]
@@ -91,10 +92,19 @@ pub fn run(args: &ImproveArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
     let mut known = Vec::new();
     let mut summary = Summary { seed: args.input.seed, profile: profile.name.clone(), files: Vec::new() };
     let mut broken = false;
-    for given in &args.files {
+    let improved = |path: &Path| matches!(Written::of_path(&path.to_string_lossy()), Written::Glsl | Written::Wgsl);
+    let (files, searched) = below::shaders(&args.files, improved)?;
+    for given in &files {
         let (path, line) = at_line(given);
         let compose = ComposeArgs::default();
-        let mut source = includes::read(&path, &args.input.reading(Some(&compose), None))?;
+        let mut source = match includes::read(&path, &args.input.reading(Some(&compose), None)) {
+            Ok(source) => source,
+            Err(error) if searched => {
+                writeln!(err, "left out: {error:#}")?;
+                continue;
+            }
+            Err(error) => return Err(error),
+        };
         source.stage = stage.unwrap_or(source.stage);
         anyhow::ensure!(
             matches!(Written::of(&source.file), Written::Glsl | Written::Wgsl),

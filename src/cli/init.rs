@@ -6,15 +6,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
-use ignore::WalkBuilder;
 
+use super::below;
 use crate::cli::status::ExitStatus;
 use base::text::{Shown, SourceFile};
 use disk::fresh;
 use engine::suite::draft::{self, Draft, Subject};
 use engine::suite::{self, Suite};
 use lanes::{Lane, StandIn, Wanted};
-use program::Written;
 use syntax::Stage;
 
 /// Write a first suite for every shader of a folder that can run, or for one file
@@ -64,7 +63,7 @@ pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow:
     }
     let root = args.folder.clone().unwrap_or_else(|| PathBuf::from("."));
     let alone = root.is_file();
-    anyhow::ensure!(alone || root.is_dir(), "`{}` is no folder", root.shown());
+    anyhow::ensure!(alone || root.is_dir(), "there is no file or folder `{}`", root.shown());
     let folder = match root.parent() {
         Some(folder) if alone && folder.as_os_str().is_empty() => Path::new("."),
         Some(folder) if alone => folder,
@@ -75,11 +74,7 @@ pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow:
         let named = root.strip_prefix(".").unwrap_or(&root);
         shaders.retain(|(path, _)| path == named);
     }
-    anyhow::ensure!(
-        !shaders.is_empty(),
-        "`{}` holds no shader; the extension tells the stage: .vert, .geom, .frag, .comp, .glsl for a library, .wgsl",
-        root.shown()
-    );
+    anyhow::ensure!(!shaders.is_empty(), "{}", below::none_in(&root));
     let known: Vec<(PathBuf, Suite)> = suites.iter().flat_map(|path| about(path)).collect();
     let mut names: BTreeSet<String> = known.iter().map(|(_, suite)| suite.name.clone()).collect();
     let devices = Wanted { stand_in: StandIn::Never, ..Wanted::named(&[]) }.open()?.lanes;
@@ -242,31 +237,10 @@ fn configuration(args: &InitArgs, root: &Path, out: &mut dyn Write) -> anyhow::R
 /// Shader files with their stages.
 type Shaders = Vec<(PathBuf, Stage)>;
 
-/// Shaders with their stages, and suite files, below a folder, sorted. What `.gitignore` names is left out,
-/// and so are hidden files and the folders that builds make.
+/// Shaders with their stages, and suite files, below a folder.
 fn search(root: &Path) -> anyhow::Result<(Shaders, Vec<PathBuf>)> {
-    let (mut shaders, mut suites) = (Vec::new(), Vec::new());
-    let walk = WalkBuilder::new(root)
-        .require_git(false)
-        .git_global(false)
-        .filter_entry(|entry| !matches!(entry.file_name().to_str(), Some("target" | "node_modules")))
-        .build();
-    for entry in walk {
-        let entry = entry.context("cannot search the folder")?;
-        if !entry.path().is_file() {
-            continue;
-        }
-        let path = entry.path().strip_prefix(".").unwrap_or(entry.path()).to_owned();
-        let name = path.to_string_lossy().into_owned();
-        if name.ends_with(".suite.toml") {
-            suites.push(path);
-        } else if let Some(stage) = Stage::from_path(&name) {
-            shaders.push((path, stage));
-        } else if Written::of_path(&name) != Written::Glsl {
-            shaders.push((path, Stage::Library));
-        }
-    }
-    shaders.sort_by(|a, b| a.0.cmp(&b.0));
-    suites.sort();
-    Ok((shaders, suites))
+    let (suites, others): (Vec<_>, Vec<_>) =
+        below::files(root)?.into_iter().partition(|path| path.to_string_lossy().ends_with(suite::ENDING));
+    let staged = |path: PathBuf| below::stage_of(&path).map(|stage| (path, stage));
+    Ok((others.into_iter().filter_map(staged).collect(), suites))
 }

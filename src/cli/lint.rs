@@ -41,7 +41,7 @@ use known::Known;
 #[derive(Args, Clone, Debug, Default)]
 pub struct LintArgs {
     /// Files, and folders that are searched for shaders and host code
-    #[arg(required = true, value_name = "PATH")]
+    #[arg(value_name = "PATH", default_value = ".")]
     pub paths: Vec<PathBuf>,
     /// Repair what can be repaired without changing the meaning
     #[arg(long)]
@@ -59,7 +59,7 @@ pub struct LintArgs {
     /// Stage of the shader files that are named, where their endings do not say it or say another
     #[arg(long, value_enum, value_name = "STAGE")]
     pub stage: Option<StageName>,
-    /// Only these rules: codes (T001), beginnings of codes (H), or names
+    /// Only these rules: codes (T001), families of codes (H), or names
     #[arg(long, value_name = "RULE", value_delimiter = ',')]
     pub select: Vec<String>,
     /// Without these rules

@@ -4,6 +4,8 @@
 #[cfg(feature = "run")]
 mod bar;
 #[cfg(feature = "run")]
+mod below;
+#[cfg(feature = "run")]
 pub mod calibrate;
 #[cfg(feature = "run")]
 pub mod check;

@@ -32,10 +32,13 @@ const SAMPLES: u64 = 1 << 16;
 /// Arguments of `shadercheck mutate`.
 #[derive(Args, Clone, Debug, Default)]
 pub struct MutateArgs {
-    /// Shipped suites by name, suite files (*.suite.toml), folders that are searched for them, and
-    /// shaders whose suite file lies beside them; all shipped suites without one
+    /// Suite files (*.suite.toml), shaders with suites beside them, folders that are searched, and shipped suites by name
+    /// [default: the current folder]
     #[arg(value_name = "SUITE|FILE")]
     pub suites: Vec<String>,
+    /// Also all suites that come with shadercheck
+    #[arg(long)]
+    pub shipped: bool,
     /// Mutate this shader instead of the suite's own; needs exactly one suite
     #[arg(long, value_name = "FILE")]
     pub shader: Option<PathBuf>,
@@ -85,7 +88,7 @@ pub fn run(args: &MutateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyho
     }
     let shard = args.sharing.shard()?;
     let operators = operators(&args.operator)?;
-    let selected = select(&args.suites)?;
+    let selected = select(&args.suites, args.shipped)?;
     anyhow::ensure!(
         args.shader.is_none() || selected.len() == 1,
         "--shader needs exactly one suite, and {} are chosen",
@@ -233,7 +236,7 @@ fn operators(names: &[String]) -> anyhow::Result<Vec<&'static Operator>> {
 }
 
 /// The suites that the arguments name. A shader stands for the suite files beside it that name it.
-fn select(arguments: &[String]) -> anyhow::Result<Vec<Selected>> {
+fn select(arguments: &[String], shipped: bool) -> anyhow::Result<Vec<Selected>> {
     let mut named = Vec::new();
     for argument in arguments {
         let path = Path::new(argument);
@@ -262,5 +265,5 @@ fn select(arguments: &[String]) -> anyhow::Result<Vec<Selected>> {
         );
         named[before..].sort();
     }
-    select::select(&named)
+    select::select(&named, shipped)
 }

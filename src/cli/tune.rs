@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::below;
 use super::check::Format;
 use super::compose::ComposeArgs;
 use super::document;
@@ -47,7 +48,7 @@ whatever is declared, or a file does not compile; 2 usage.")]
 pub struct TuneArgs {
     /// Shader files in GLSL ES, or in desktop GLSL with the qualifiers of 1.30; or documents and host code with shaders, as a
     /// whole or at a line (`Renderer.java:12`)
-    #[arg(value_name = "FILE", required = true)]
+    #[arg(value_name = "PATH", default_value = ".")]
     pub files: Vec<PathBuf>,
     /// The function whose outputs count; `main` without it
     #[arg(long, value_name = "NAME")]
@@ -133,9 +134,18 @@ pub fn run(args: &TuneArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     let mut summary = Summary { seed: args.input.seed, files: Vec::new() };
     let mut broken = false;
     let compose = ComposeArgs::default();
-    'files: for path in &args.files {
+    let (files, searched) =
+        below::shaders(&args.files, |path| Written::of_path(&path.to_string_lossy()) == Written::Glsl)?;
+    'files: for path in &files {
         let reading = args.input.reading(Some(&compose), None);
-        let mut sources = includes::read_all(path, &reading, stage)?;
+        let mut sources = match includes::read_all(path, &reading, stage) {
+            Ok(sources) => sources,
+            Err(error) if searched => {
+                writeln!(err, "left out: {error:#}")?;
+                continue;
+            }
+            Err(error) => return Err(error),
+        };
         let count = sources.len();
         for number in 0..count {
             let Some(source) = sources.get_mut(number) else { break };
@@ -157,7 +167,7 @@ pub fn run(args: &TuneArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
                 }
                 Outcome::Broken => broken = true,
                 // Of several shaders those are tuned that can be.
-                Outcome::Nothing(why) if count > 1 => writeln!(err, "note: {}: {why}", source.name)?,
+                Outcome::Nothing(why) if count > 1 || searched => writeln!(err, "note: {}: {why}", source.name)?,
                 Outcome::Nothing(why) => anyhow::bail!("{why}"),
             }
             if interrupt::asked() {

@@ -95,13 +95,56 @@ fn a_case_that_several_findings_share_is_printed_once() {
 #[test]
 fn shipped_suites_run_from_any_folder() {
     let folder = tempfile::tempdir().unwrap();
-    let ran = run_in(folder.path(), "check --samples 64 --format json").expect(0);
+    let ran = run_in(folder.path(), "check --shipped --samples 64 --format json").expect(0);
     let json = ran.json();
     let names: Vec<&str> = json["suites"].as_array().unwrap().iter().map(|s| s["suite"].as_str().unwrap()).collect();
     for suite in engine::suite::shipped() {
         assert!(names.contains(&suite.name), "{} did not run", suite.name);
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "a run that passes writes nothing");
+}
+
+#[test]
+fn without_a_path_the_current_folder_is_meant() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    // A folder without suites is no success.
+    for command in ["check", "mutate", "check .", "check --lane embedded"] {
+        let ran = run_in(folder.path(), command).expect(2);
+        for part in ["`.` holds no suite file", "`shadercheck init .`", "`shadercheck fuzz .`", "--shipped"] {
+            assert!(ran.err.contains(part), "{command}: {}", ran.err);
+        }
+    }
+    for command in ["fuzz", "tune", "improve", "init"] {
+        let ran = run_in(folder.path(), command).expect(2);
+        assert!(ran.err.contains("`.` holds no shader"), "{command}: {}", ran.err);
+    }
+    run_in(folder.path(), "lint").expect(2);
+    write("f.glsl", "float f(float x) { return x * 0.5; }\n");
+    write(
+        "f.suite.toml",
+        "suite = \"f\"\nshader = \"f.glsl\"\nstage = \"function\"\nentry = \"f\"\n\
+        [[inputs]]\nnames = [\"x\"]\ngenerator = \"interval\"\nrange = [1.0, 2.0]\n",
+    );
+    fs::create_dir(folder.path().join("inner")).unwrap();
+    write("inner/g.wgsl", "fn g(x: f32) -> f32 { return 2.0 * x; }\n");
+    let ran = run_in(folder.path(), "check --lane embedded --samples 64").expect(0);
+    assert_eq!(ran.out.lines().filter(|line| line.starts_with("ok ")).count(), 1, "{}", ran.out);
+    let ran = run_in(folder.path(), "fuzz --lane embedded --samples 64").expect(0);
+    assert!(ran.out.contains("f.glsl") && ran.out.contains("inner/g.wgsl"), "{}", ran.out);
+    run_in(folder.path(), "lint").expect(0);
+    run_in(folder.path(), "improve").expect(0);
+    run_in(folder.path(), "mutate --lane embedded --samples 64").expect(0);
+}
+
+#[test]
+fn a_file_of_a_folder_that_cannot_be_read_does_not_keep_the_others_from_being_run() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.glsl"), "float f(float x) { return x * 0.5; }\n").unwrap();
+    fs::write(folder.path().join("b.glsl"), "").unwrap();
+    let ran = run_in(folder.path(), "fuzz . --lane embedded --samples 64").expect(0);
+    assert!(ran.err.contains("left out: `b.glsl` is empty"), "{}", ran.err);
+    run_in(folder.path(), "fuzz b.glsl --lane embedded --samples 64").expect(2);
 }
 
 #[test]
@@ -338,7 +381,7 @@ fn a_case_that_does_not_fit_is_reported() {
         assert!(ran.err.contains(said), "{case}: {}", ran.err);
         assert_eq!(ran.out, "");
     }
-    let ran = run("check --case t=00000000").expect(2);
+    let ran = run("check --shipped --case t=00000000").expect(2);
     assert!(ran.err.contains("--case needs exactly one suite"), "{}", ran.err);
 }
 

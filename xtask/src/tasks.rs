@@ -16,7 +16,7 @@ use crate::{against, features, setup, vulkan};
 /// The gate is built in the profile of the tests: one build of the dependencies serves both tasks.
 const GATE: [&str; 4] = ["--package", "shadercheck", "--bin", "shadercheck"];
 
-/// Builds the program while the machine is set up, and runs `shadercheck check`. Without arguments the lane that decides first
+/// Builds the program while the machine is set up, and runs `shadercheck check --shipped`. Without arguments the lane that decides first
 /// comes first, alone; then all of them, which are compared with each other.
 pub fn check(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
     messages.write_all(
@@ -31,7 +31,7 @@ pub fn check(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
     }
     let gate = || {
         let mut gate = cargo(["run", "--quiet"]);
-        gate.args(GATE).args(["--", "check"]);
+        gate.args(GATE).args(["--", "check", "--shipped"]);
         gate
     };
     let first = arguments.is_empty() && vulkan::find(&ThisMachine).complete();

@@ -24,7 +24,7 @@ fn hint(nearest: &[String]) -> String {
     if nearest.is_empty() { String::new() } else { format!(" (did you mean {}?)", nearest.join(", ")) }
 }
 
-/// A choice of rules by code (`T001`), prefix of a code (`T`, `H0`) or name. Of a selecting and an
+/// A choice of rules by code (`T001`), family (`T`: the letters that codes begin with) or name. Of a selecting and an
 /// ignoring entry that both match, the longer one decides, and `ignore` at equal length.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
@@ -94,8 +94,11 @@ fn codes(given: &[String]) -> Result<Vec<String>, SelectError> {
 
 fn code(given: &str) -> Result<String, SelectError> {
     let upper = given.to_ascii_uppercase();
-    let front_end = upper.strip_prefix('E').is_some_and(|r| r.len() <= 3 && r.bytes().all(|b| b.is_ascii_digit()));
-    if !upper.is_empty() && (front_end || RULES.iter().any(|r| r.code.0.starts_with(&upper))) {
+    // A part of a number is a slip: `H03` is meant for `H003`.
+    let front_end =
+        upper.strip_prefix('E').is_some_and(|r| [0, 3].contains(&r.len()) && r.bytes().all(|b| b.is_ascii_digit()));
+    let family = |code: &str| code.trim_end_matches(|c: char| c.is_ascii_digit()) == upper;
+    if front_end || RULES.iter().any(|r| r.code.0 == upper || family(r.code.0)) {
         return Ok(upper);
     }
     match by_code(given) {
@@ -158,5 +161,15 @@ mod tests {
         let error = Selection::new(&["H0O1".to_owned()], &[]).unwrap_err();
         assert!(error.to_string().contains("`H0O1`") && error.to_string().contains("H001"), "{error}");
         assert!(Selection::new(&[], &[String::new()]).is_err());
+        // A part of a number selects nothing that anybody means.
+        let error = Selection::new(&["H03".to_owned()], &[]).unwrap_err();
+        assert!(error.to_string().contains("H003"), "{error}");
+        assert!(
+            Selection::new(&["E0".to_owned()], &[]).is_err() && Selection::new(&["E0123".to_owned()], &[]).is_err()
+        );
+        assert!(
+            selection(&["E"], &[]).keeps("E001", Level::Default)
+                && selection(&["E801"], &[]).keeps("E801", Level::Default)
+        );
     }
 }

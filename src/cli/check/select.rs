@@ -22,12 +22,15 @@ pub struct Selected {
     pub saved: Vec<Regression>,
 }
 
-/// The suites that the arguments name; all shipped ones without arguments.
-pub fn select(arguments: &[String]) -> anyhow::Result<Vec<Selected>> {
-    if arguments.is_empty() {
-        return suite::shipped().map(shipped).collect();
-    }
+/// The suites that the arguments name, after those that ship where these are wanted; without either, those of the current
+/// folder.
+pub fn select(arguments: &[String], all_shipped: bool) -> anyhow::Result<Vec<Selected>> {
     let mut selected = Vec::new();
+    if all_shipped {
+        selected = suite::shipped().map(shipped).collect::<anyhow::Result<Vec<_>>>()?;
+    }
+    let here = [".".to_owned()];
+    let arguments = if arguments.is_empty() && !all_shipped { &here } else { arguments };
     for argument in arguments {
         let path = Path::new(argument);
         // A shipped suite goes before a file of that name: names are what the manual shows.
@@ -35,7 +38,13 @@ pub fn select(arguments: &[String]) -> anyhow::Result<Vec<Selected>> {
             Ok(found) => selected.push(shipped(found)?),
             Err(_) if path.is_dir() => {
                 let files = suite::search(path)?;
-                anyhow::ensure!(!files.is_empty(), "`{}` holds no suite file (*{})", path.shown(), suite::ENDING);
+                anyhow::ensure!(
+                    !files.is_empty(),
+                    "`{0}` holds no suite file (*{1}); `shadercheck init {0}` writes first suites for its shaders, `shadercheck \
+                     fuzz {0}` runs shaders without any, and --shipped runs the suites that come with shadercheck",
+                    path.shown(),
+                    suite::ENDING
+                );
                 for file in files {
                     selected.extend(from_file(&file)?);
                 }

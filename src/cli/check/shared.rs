@@ -235,7 +235,7 @@ mod tests {
         let shard: Shard = "0/2".parse().unwrap();
         let store = Store::new(folder.path(), shard, Identity::new("check", 1, 2)).unwrap();
         let args = CheckArgs { samples: Some(64), seed: 1, ..CheckArgs::default() };
-        let selected = super::super::select::select(&["sphere".to_owned(), "morph".to_owned()]).unwrap();
+        let selected = super::super::select::select(&["sphere".to_owned(), "morph".to_owned()], false).unwrap();
         let lane = lanes::embedded::open().unwrap();
         let promises = Promises::of_lane(lane.description());
         let peers = vec![Peer { lane: lane.as_ref(), promises: &promises }];

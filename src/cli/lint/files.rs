@@ -201,7 +201,7 @@ pub fn load(paths: &[PathBuf], stage: Option<Stage>, folders: &[PathBuf]) -> any
             Err(source) => loaded.problems.push(InputError::Unreadable { path: path.clone(), source }),
             Ok(meta) if meta.is_dir() => {
                 let found = search(path, &mut loaded.problems);
-                if found.iter().all(|file| language_of(&name(file)).is_none()) {
+                if found.iter().all(|file| language_of(&name(file)).is_none() && !lacks_rules(file)) {
                     searched.push(path.clone());
                 }
                 wanted.extend(found.into_iter().map(|file| (file, false)));
@@ -249,6 +249,7 @@ fn take(wanted: Vec<(PathBuf, bool)>, loaded: &mut Loaded) {
     }
     let composer = modules::composer(&loaded.folders);
     let texts: Vec<_> = fresh.par_iter().map(|(path, _)| read(path)).collect();
+    let (alone, mut unruled) = (fresh.iter().all(|(path, named)| *named && lacks_rules(path)), Vec::new());
     for ((path, named), text) in fresh.into_iter().zip(texts) {
         let language = language_of(&name(&path));
         let is_document = |file: &SourceFile| language.is_none() && is_document(file);
@@ -264,10 +265,10 @@ fn take(wanted: Vec<(PathBuf, bool)>, loaded: &mut Loaded) {
                 true if has_ending(&path, DOCUMENT_EXTENSIONS.iter().filter(|e| **e != "txt")) => {
                     loaded.skipped.push(InputError::NoCode(path))
                 }
-                true => loaded.problems.push(match has_ending(&path, ["hlsl", "hlsli", "slang"].iter()) {
-                    true => InputError::NoRules(path),
-                    false => InputError::UnknownKind(path),
-                }),
+                true if lacks_rules(&path) => unruled.push(path),
+                true => loaded.problems.push(InputError::UnknownKind(path)),
+                // Of a folder's files in languages without rules, one speaks for all.
+                false if lacks_rules(&path) && unruled.is_empty() => unruled.push(path),
                 false => {}
             },
             Ok(Decoded { file, .. }) if !named && language == Some(Language::Script) && is_bundle(file.text()) => {
@@ -297,6 +298,9 @@ fn take(wanted: Vec<(PathBuf, bool)>, loaded: &mut Loaded) {
             Err(error) => loaded.problems.push(error),
         }
     }
+    // Who names nothing else asked for what is not there; beside other files they are passed over.
+    let kind = if alone { &mut loaded.problems } else { &mut loaded.skipped };
+    kind.extend(unruled.into_iter().map(InputError::NoRules));
 }
 
 /// Lines of more bytes are written by tools.
@@ -354,7 +358,9 @@ fn search(folder: &Path, problems: &mut Vec<InputError>) -> Vec<PathBuf> {
         Box::new(|entry| {
             let mut found = found.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             match entry {
-                Ok(entry) if has_known_ending(entry.path()) && entry.path().is_file() => {
+                Ok(entry)
+                    if (has_known_ending(entry.path()) || lacks_rules(entry.path())) && entry.path().is_file() =>
+                {
                     found.0.push(entry.into_path());
                 }
                 Ok(_) => {}
@@ -368,6 +374,11 @@ fn search(folder: &Path, problems: &mut Vec<InputError>) -> Vec<PathBuf> {
     errors.sort();
     problems.extend(errors.into_iter().map(|message| InputError::Unsearchable { path: folder.to_owned(), message }));
     files
+}
+
+/// True for a shader in a language that no rule reads.
+fn lacks_rules(path: &Path) -> bool {
+    has_ending(path, ["hlsl", "hlsli", "slang"].iter())
 }
 
 /// True for the endings of files that folders are searched for.

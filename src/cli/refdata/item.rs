@@ -57,7 +57,8 @@ pub fn items(args: &GenerateArgs, err: &mut dyn Write) -> anyhow::Result<Vec<Ite
     for argument in &args.suites {
         let path = Path::new(argument);
         let is_shader = path.is_file() && !argument.ends_with(".toml") && suite::find(argument).is_err();
-        let selected = if is_shader { select::beside(path)? } else { select::select(std::slice::from_ref(argument))? };
+        let selected =
+            if is_shader { select::beside(path)? } else { select::select(std::slice::from_ref(argument), false)? };
         // Who names a function or a domain means the shader, not its suites.
         let wants_bare = is_shader && (selected.is_empty() || !args.function.is_empty() || !args.domain.is_empty());
         if wants_bare {

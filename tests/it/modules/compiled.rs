@@ -258,6 +258,17 @@ fn lint_says_that_it_has_no_rules_for_a_file_and_passes_over_it_in_a_folder() {
         folder(&[("f.hlsl", b"float f(float x) { return x; }\n"), ("a.glsl", b"float f(float x) { return x; }\n")]);
     let ran = run_in(folder.path(), "lint f.hlsl");
     assert!(ran.code == 2 && ran.err.contains("there are no rules for HLSL"), "{ran:?}");
+    // In a folder, and beside other files, it is passed over, which is said once.
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["a.hlsl", "b.hlsl", "c.slang"] {
+        std::fs::write(folder.path().join(name), "float f(float x) { return x; }\n").unwrap();
+    }
+    for text in [None, Some("float f(float x) { return x; }\n")] {
+        text.iter().for_each(|text| std::fs::write(folder.path().join("d.glsl"), text).unwrap());
+        let ran = crate::binary::run_in(folder.path(), "lint .").expect(0);
+        assert_eq!(ran.err.matches("there are no rules for HLSL").count(), 1, "{}", ran.err);
+    }
+    crate::binary::run_in(folder.path(), "lint a.hlsl d.glsl").expect(0);
     let ran = run_in(folder.path(), "lint .").expect(0);
     assert!(!ran.out.contains("f.hlsl") && !ran.err.contains("f.hlsl"), "{ran:?}");
 }
