@@ -173,9 +173,10 @@ fn widest(limits: &Limits, ranges: &[std::ops::Range<usize>], slot: usize) -> Bo
     widest
 }
 
-/// How many of some samples differ by more than devices that keep a profile may be off in both functions together.
-pub(super) fn beyond(pair: &Pair<'_>, profile: &Profile, samples: &[Sample]) -> u64 {
-    let mut count = 0;
+/// How many of some samples differ by more than devices that keep a profile may be off in both functions together, and how many
+/// of the others differ where nothing bounds a device.
+pub(super) fn beyond(pair: &Pair<'_>, profile: &Profile, samples: &[Sample]) -> (u64, u64) {
+    let (mut count, mut unbounded) = (0, 0);
     let mut limiters = pair.oracles.each_ref().map(|oracle| Limiter::new(oracle, profile, Stage::Compute));
     let mut limits = [Limits::default(), Limits::default()];
     for chunk in samples.chunks(SLOTS) {
@@ -184,16 +185,24 @@ pub(super) fn beyond(pair: &Pair<'_>, profile: &Profile, samples: &[Sample]) -> 
         for (side, batch) in [&batch, &fed].into_iter().enumerate() {
             limiters[side].look(batch, 0, &mut limits[side]);
         }
-        let far = |slot: usize| {
-            let mut words = pair.reference.pairs().into_iter().flat_map(|(own, other)| own.zip(other));
-            words.any(|(own, other)| {
-                let (own, other) = (own * SLOTS + slot, other * SLOTS + slot);
-                let (x, y) = (limits[0].values[own], limits[1].values[other]);
-                let allowed = limits[0].bounds[own] + limits[1].bounds[other];
-                x.is_nan() != y.is_nan() || (x - y).abs() > allowed
-            })
+        // By the word that says most: it is farther off than bounds are, or has none.
+        let of_word = |own: usize, other: usize| {
+            let (x, y) = (limits[0].values[own], limits[1].values[other]);
+            let allowed = limits[0].bounds[own] + limits[1].bounds[other];
+            match () {
+                () if x.is_nan() != y.is_nan() || (x - y).abs() > allowed => 2,
+                () if x != y && !(x.is_nan() && y.is_nan()) && !allowed.is_finite() => 1,
+                () => 0,
+            }
         };
-        count += (0..limits[0].slots).filter(|&slot| far(slot)).count() as u64;
+        for slot in 0..limits[0].slots {
+            let words = pair.reference.pairs().into_iter().flat_map(|(own, other)| own.zip(other));
+            match words.map(|(own, other)| of_word(own * SLOTS + slot, other * SLOTS + slot)).max() {
+                Some(2) => count += 1,
+                Some(1) => unbounded += 1,
+                Some(_) | None => {}
+            }
+        }
     }
-    count
+    (count, unbounded)
 }

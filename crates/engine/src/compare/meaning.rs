@@ -42,6 +42,8 @@ pub(super) struct Meanings {
     count: u64,
     /// Of these, those that devices cannot hide.
     beyond: u64,
+    /// Of the others, those for which nothing bounds a device.
+    unbounded: u64,
     /// Differing samples, realistic ones first.
     kept: Vec<(bool, Sample)>,
 }
@@ -141,7 +143,9 @@ impl Meanings {
             }
         }
         let samples: Vec<Sample> = (0..count).filter(|&k| differing[k]).map(|k| Sample::of(batch, k)).collect();
-        self.beyond += beyond(pair, profile, &samples);
+        let (beyond, unbounded) = beyond(pair, profile, &samples);
+        self.beyond += beyond;
+        self.unbounded += unbounded;
         Some(differing)
     }
 
@@ -157,6 +161,7 @@ impl Meanings {
         compared.equal = self.samples - open - self.count;
         compared.undetermined = self.reasons.into_iter().collect();
         compared.unlike = (self.count, self.beyond);
+        compared.unbounded = self.unbounded;
         let realistic = self.kept.iter().any(|(realistic, _)| *realistic);
         let first: Vec<Sample> =
             self.kept.into_iter().filter(|(of, _)| *of == realistic).map(|(_, sample)| sample).collect();

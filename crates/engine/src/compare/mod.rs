@@ -75,6 +75,8 @@ pub struct Compared {
     /// Samples that mean something else; the first number is of all of them, the second of those whose difference is larger
     /// than a device of the first profile may be off in either.
     pub unlike: (u64, u64),
+    /// How many of the samples that mean something else have outputs for which nothing bounds a device.
+    pub unbounded: u64,
     /// The smallest input of these.
     pub smallest: Option<Unlike>,
     /// Bounds of the two, by profile.
@@ -91,6 +93,14 @@ impl Compared {
     /// True when something is known of the two: some sample means the same in both, or something else.
     pub fn is_known(&self) -> bool {
         self.equal + self.unlike.0 > 0
+    }
+
+    /// Why little is known of two functions between which no difference was found: what leaves most samples undetermined,
+    /// where that is more than half of them.
+    pub fn weak(&self) -> Option<Reason> {
+        let open: u64 = self.undetermined.iter().map(|(_, count)| count).sum();
+        let (most, _) = self.undetermined.iter().max_by_key(|(_, count)| *count)?;
+        (self.unlike.0 == 0 && open > self.equal).then_some(*most)
     }
 }
 
@@ -123,6 +133,7 @@ pub fn run(
         equal: 0,
         undetermined: Vec::new(),
         unlike: (0, 0),
+        unbounded: 0,
         smallest: None,
         accuracy: Vec::new(),
         resolution: None,

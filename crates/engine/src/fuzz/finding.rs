@@ -2,7 +2,7 @@
 
 use super::domain::{Law, Standing};
 use crate::InputValue;
-use judge::verdict::BatchVerdict;
+use judge::verdict::{BatchVerdict, Reason};
 use judge::verdict::diagnosis::{Diagnosis, Place};
 use lanes::LaneName;
 use serde::{Deserialize, Serialize};
@@ -316,5 +316,26 @@ impl FunctionReport {
     /// True when the run of this function fails.
     pub fn fails(&self) -> bool {
         self.of(Severity::Finding).next().is_some()
+    }
+
+    /// Why little is known of a function in which nothing is wrong: what leaves most samples undetermined, where that is more
+    /// than half of them on every lane that ran it. The same makes a suite weak.
+    pub fn weak(&self) -> Option<Reason> {
+        let mut ran = self.lanes.iter().map(|lane| &lane.verdicts).filter(|verdicts| verdicts.seen() > 0).peekable();
+        ran.peek()?;
+        let mut reasons = [0_u64; Reason::ALL.len()];
+        for verdicts in ran {
+            if verdicts.undetermined_count() <= verdicts.agreed + verdicts.deviated {
+                return None;
+            }
+            reasons.iter_mut().zip(verdicts.undetermined).for_each(|(sum, n)| *sum += n);
+        }
+        let most = (0..reasons.len()).rev().max_by_key(|&k| reasons[k])?;
+        (!self.fails()).then_some(Reason::ALL[most])
+    }
+
+    /// True where notes are all that was found out: they are told whether or not notes are asked for.
+    pub fn tells_notes(&self) -> bool {
+        self.weak().is_some() && self.findings.iter().all(|finding| finding.severity == Severity::Note)
     }
 }

@@ -21,11 +21,13 @@ mod held;
 mod inherited;
 #[cfg(test)]
 mod inside;
+mod integral;
 mod kernels;
 pub mod lowered;
 mod memory;
 mod model;
 mod operations;
+mod paths;
 mod regroup;
 mod sweep;
 mod tangent;
@@ -44,6 +46,7 @@ pub use decay::FADED;
 pub use memory::Cell;
 pub use model::Model;
 pub(crate) use model::gap;
+pub use paths::Path;
 pub use sweep::Bounds;
 pub use why::{Cause, Share, Why};
 
@@ -73,6 +76,12 @@ pub struct Tape<'p> {
     edges: [bool; SLOTS],
     /// Slots that were given up in a loop, for the tape was full, with the place of the loop.
     given_up: [Option<Site>; SLOTS],
+    /// Slots in which a function with steps may come out on either side of one.
+    stepping: Mask,
+    /// The sides that decisions take, where they are followed.
+    paths: Option<paths::Paths>,
+    /// For each node, whether it holds whole numbers that the program made.
+    whole: Vec<bool>,
     sweep: sweep::Scratch,
     /// Displacements, where they are wanted.
     tangents: Option<tangent::Tangents>,
@@ -91,6 +100,9 @@ impl<'p> Tape<'p> {
             forks: [None; SLOTS],
             edges: [false; SLOTS],
             given_up: [None; SLOTS],
+            stepping: Mask::NONE,
+            paths: None,
+            whole: Vec::new(),
             sweep: sweep::Scratch::default(),
             tangents: None,
             brackets: None,
@@ -183,6 +195,7 @@ impl<'p> Tape<'p> {
 
     /// What else is remembered of a node, once its value, radius and local error are known.
     fn settle(&mut self, id: Id) {
+        self.keep_whole(id);
         self.lower(id);
         self.group(id);
         self.move_on(id);
@@ -213,6 +226,10 @@ impl Domain for Tape<'_> {
         self.forks = [None; SLOTS];
         self.edges = [false; SLOTS];
         self.given_up = [None; SLOTS];
+        self.stepping = Mask::NONE;
+        if let Some(paths) = &mut self.paths {
+            paths.begin();
+        }
         // Node 0 holds zeros: what a column holds that nobody wrote.
         if self.arena.nodes.is_empty() {
             self.leaf(|value| value.fill(0.0));
@@ -229,6 +246,9 @@ impl Domain for Tape<'_> {
         let id = self.leaf(|v| v.fill(literal.value));
         let at = id as usize;
         self.arena.nodes[at].site = site;
+        if literal.slack == 0.0 && literal.value.fract() == 0.0 {
+            self.note_whole(id);
+        }
         if literal.slack > 0.0 {
             self.arena.nodes[at].exact = false;
             self.arena.exact[at] = false;
@@ -304,7 +324,7 @@ impl Domain for Tape<'_> {
         for (slot, out) in out.iter_mut().enumerate() {
             *out = u32::from(op.holds(x[slot], y[slot]));
         }
-        self.note_fork(site, forks.into_iter());
+        self.decide(site, &forks, &mut |slot| out[slot] ^= 1);
     }
 
     fn classify(&mut self, site: Site, class: Class, active: &Mask, a: &Column, out: &mut Words) {
@@ -339,11 +359,19 @@ impl Domain for Tape<'_> {
         // A device turns coordinates into fixed point numbers of 32 bits, 8 of them within a texel.
         let far = |x: f64| !x.is_finite() || (absolute > 0.0 && x.abs() >= 8_388_608.0);
         let lost = |slot: usize| e[slot].is_nan() || (texel && far(x[slot]));
-        let forks: Vec<usize> = active.slots().filter(|&slot| low[slot] != high[slot] || lost(slot)).collect();
-        for &slot in forks.iter().filter(|&&slot| texel && self.forks[slot].is_none()) {
-            self.edges[slot] = true;
+        // Between the exponents on both sides of zero lie all others, and that of zero itself.
+        let around = |slot: usize| op == ToWords::FrexpExponent && e[slot] > 0.0 && x[slot].abs() <= e[slot];
+        let lost: Vec<bool> = (0..SLOTS).map(|slot| lost(slot) || around(slot)).collect();
+        for slot in active.slots().filter(|&slot| low[slot] != high[slot] || lost[slot]) {
+            let ends = [low[slot], high[slot]];
+            let word = if lost[slot] { None } else { self.word_on_path(op, slot, out[slot], ends) };
+            if let Some(word) = word {
+                out[slot] = word;
+                continue;
+            }
+            self.edges[slot] |= texel && self.forks[slot].is_none();
+            self.note_fork(site, [slot].into_iter());
         }
-        self.note_fork(site, forks.into_iter());
         outside
     }
 
@@ -354,9 +382,10 @@ impl Domain for Tape<'_> {
             let args = [model::Arg { value: self.arena.value.get(at), radius: self.arena.radius.get(at) }];
             let mut local = [0.0; SLOTS];
             self.model.local(Op::Convert, &args, args[0].value, &[0.0; SLOTS], &mut local);
-            // Integers of up to 24 bits are kept whatever the rounding.
+            // Integers of up to 24 bits are kept whatever the rounding, and all of them in binary64.
+            let all = matches!(self.model, Model::Binary64);
             for (b, v) in local.iter_mut().zip(args[0].value) {
-                *b = if f64::from(*v as f32) == *v { 0.0 } else { *b };
+                *b = if all || f64::from(*v as f32) == *v { 0.0 } else { *b };
             }
             let exact = local.iter().all(|b| *b == 0.0);
             self.arena.exact[at] = false;
@@ -364,6 +393,7 @@ impl Domain for Tape<'_> {
             *self.arena.local.get_mut(at) = local;
             let meta = &mut self.arena.nodes[at];
             (meta.exact, meta.op, meta.site) = (exact, Some(Op::Convert), Some(site));
+            self.note_whole(id);
             self.lower(id);
             self.bracket(id);
         }
@@ -375,8 +405,8 @@ impl Domain for Tape<'_> {
     }
 
     fn outside(&self, what: Guarded, active: &Mask, x: &Column, y: &Column) -> Mask {
-        // Who wants no displacements looks at bounds alone.
-        if self.tangents.is_none() {
+        // Who wants no displacements looks at bounds alone, but on a path that no other machine goes.
+        if self.tangents.is_none() && self.paths.is_none() {
             return Mask::NONE;
         }
         program::interp::outside(what, active, self.values(Column(self.id(x))), self.values(Column(self.id(y))))

@@ -123,8 +123,9 @@ impl<'p> Model<'p> {
     /// is promised.
     pub(super) fn local(&self, op: Op, args: &[Arg<'_>], value: &Slots, carried: &Slots, local: &mut Slots) {
         let Self::Device { profile, stage, .. } = *self else {
+            let part = if super::integral::keeps(op) { 0.0 } else { BINARY64 };
             for (b, v) in local.iter_mut().zip(value) {
-                *b = v.abs() * BINARY64;
+                *b = v.abs() * part;
             }
             return;
         };

@@ -7,6 +7,7 @@ use super::functions::{Image1, Image2, image1, image2};
 use super::inherited::{at_zero, power, power_at_zero, root_by_inverse};
 use super::kernels::{self, Node, Out1, Out2, or_infinite, reach};
 use super::model::Arg;
+use super::paths::{Step, stepping};
 use crate::profile::grid::MIN_NORMAL;
 use crate::profile::{Definition, Op};
 
@@ -384,6 +385,8 @@ impl Tape<'_> {
 
     /// A function of one number as a node of its own.
     fn one(&mut self, site: Site, op: Op, active: &Mask, a: Id) -> Id {
+        let flushes = self.model.flushes() && self.arena.nodes[a as usize].tiny;
+        let steps = self.steps(op, active, a, flushes);
         let partial = self.arena.partial();
         let not_negative = self.arena.nodes[a as usize].not_negative;
         let keeps = matches!(op, Op::Abs | Op::Sqrt | Op::InverseSqrt | Op::Exp | Op::Exp2 | Op::Cosh | Op::Fract);
@@ -394,7 +397,6 @@ impl Tape<'_> {
         let (before, value) = self.arena.value.split(at);
         let (radii, carried) = self.arena.radius.split(at);
         let (x, ex) = (before.get(a as usize), radii.get(a as usize));
-        let flushes = self.model.flushes() && self.arena.nodes[a as usize].tiny;
         let (slope, bend) = self.arena.partials.pair_mut(2 * partial as usize);
         let mut out = Out1 { value, moves: carried, slope, bend };
         if active.count() < WORTH_A_COLUMN || !column1(op, (x, ex), flushes, not_negative, &mut out) {
@@ -407,6 +409,10 @@ impl Tape<'_> {
                 (value[slot], moves[slot], slope[slot], bend[slot]) =
                     (found.value, found.moves, found.slope, found.bends);
             });
+        }
+        let (slope, bend) = self.arena.partials.pair_mut(2 * partial as usize);
+        for Step { slot, value: side, moves, slope: steep } in steps {
+            (value[slot], carried[slot], slope[slot], bend[slot]) = (side, moves, steep, 0.0);
         }
         let args = [Arg { value: x, radius: ex }];
         let local = self.arena.local.get_mut(at);
@@ -423,6 +429,8 @@ impl Tape<'_> {
 
     /// A function of two numbers as a node of its own.
     fn two(&mut self, site: Site, op: Op, active: &Mask, a: Id, b: Id) -> Id {
+        let flushes = [a, b].map(|id| self.arena.nodes[id as usize].tiny && self.model.flushes());
+        let steps = self.edge(op, active, [a, b], flushes);
         let partials = [self.arena.partial(), self.arena.partial()];
         let (left, right) = (self.arena.nodes[a as usize], self.arena.nodes[b as usize]);
         let not_negative = match op {
@@ -440,7 +448,6 @@ impl Tape<'_> {
         let (radii, carried) = self.arena.radius.split(at);
         let (x, y) = (before.get(a as usize), before.get(b as usize));
         let (ex, ey) = (radii.get(a as usize), radii.get(b as usize));
-        let flushes = [left.tiny, right.tiny].map(|tiny| tiny && self.model.flushes());
         let [sx, bx, sy, by] = self.arena.partials.quad_mut(2 * partials[0] as usize);
         let mut out = Out2 { value, moves: carried, slopes: [sx, sy], bends: [bx, by] };
         if active.count() < WORTH_A_COLUMN || !column2(op, (x, ex), (y, ey), flushes, &mut out) {
@@ -463,6 +470,10 @@ impl Tape<'_> {
         let args = [Arg { value: x, radius: ex }, Arg { value: y, radius: ey }];
         let local = self.arena.local.get_mut(at);
         let [sx, bx, sy, by] = self.arena.partials.quad_mut(2 * partials[0] as usize);
+        for Step { slot, value: side, moves, slope } in steps {
+            (value[slot], carried[slot]) = (side, moves);
+            (sx[slot], sy[slot], bx[slot], by[slot]) = (slope, slope, 0.0, 0.0);
+        }
         let mut out = Out2 { value, moves: carried, slopes: [sx, sy], bends: [bx, by] };
         if op == Op::Pow && left.not_negative && at_zero(args, active, &mut out) {
             power_at_zero(&self.model, args, out, local);
@@ -531,6 +542,7 @@ impl Tape<'_> {
             return;
         }
         let slots: Vec<usize> = (0..SLOTS).filter(|&slot| !finite(slot)).collect();
+        self.stepping = self.stepping.or(stepping(self.arena.nodes[at].op, &slots));
         for slot in slots {
             for &p in partials {
                 self.arena.partials.get_mut(2 * p as usize)[slot] = 0.0;

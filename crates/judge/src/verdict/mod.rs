@@ -9,6 +9,7 @@ mod expectations;
 mod fence;
 mod first_look;
 mod fit;
+mod follow;
 mod judge;
 mod limits;
 mod literals;
@@ -32,6 +33,7 @@ mod unlike;
 mod used;
 mod whole;
 mod whole_survey;
+mod words;
 
 pub use batch::{BatchVerdict, Doubts, Failure, judge_at, judge_batch, judge_each};
 pub use closeup::{Closeup, Seen, closeups};

@@ -3,18 +3,18 @@
 use std::collections::HashSet;
 
 use super::batch::OpenSample;
-use super::fit::NEAR;
-use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees, real};
-use super::open::{cut, fades, fork, underflow};
+use super::follow;
+use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Verdict, What};
+use super::open::{cut, fork};
 use super::oracle::JudgeContext;
 use super::reading::{Reader, may_be_read};
-use super::reference::{Evaluator, Expected, Output};
+use super::reference::{Evaluator, Expected};
 use super::shape::{shape_of_lane, shape_of_shader};
-use crate::profile::grid::MIN_NORMAL;
-use crate::tape::{FADED, Model, Tape};
-use base::value::{Batch, Scalar, ulp_at};
+use super::words::{Aim, Known, Told, Word, open_words, told, word_of_shader};
+use crate::tape::{Model, Tape};
+use base::value::Batch;
 use program::OutputLayout;
-use program::interp::{Binary64, Flags, HazardKind, Machine, Number, OutputColumn, POISON, SLOTS};
+use program::interp::{Binary64, Flags, HazardKind, Machine, OutputColumn, SLOTS};
 use program::lane::Actual;
 
 /// An error of this part of the values' size is no test any more, even if it is allowed.
@@ -267,20 +267,9 @@ impl<'a> SecondPass<'a> {
                     for (slot, verdict) in found {
                         let verdict = match verdict {
                             Err(doubt) => Verdict::Undetermined(doubt),
-                            Ok((meaning, bound)) => {
-                                let value = Value {
-                                    component: layout.vertex.word_name(word),
-                                    vertex: reference.emits().then_some(vertex),
-                                    expected: target(slot),
-                                    meaning: meaning.unwrap_or(f64::NAN),
-                                    actual: actual.map_or(POISON, |a| found_word(a, invocations[slot], vertex, word)),
-                                    scalar: output.scalar,
-                                    bound,
-                                };
-                                let what = match meaning {
-                                    Some(_) => What::Value(value),
-                                    None => What::NotWritten { component: value.component, vertex: value.vertex },
-                                };
+                            Ok(meant) => {
+                                let word = Word { layout, actual, reference, output, vertex, word };
+                                let what = word.what(meant, target(slot), invocations[slot]);
                                 Verdict::Deviate(Deviation { blame: Blame::Shader, what })
                             }
                         };
@@ -289,12 +278,45 @@ impl<'a> SecondPass<'a> {
                 }
             }
         }
+        self.shader_on_paths((batch, layout, actual), invocations, &mut verdicts);
         for (verdict, forked) in verdicts.iter_mut().zip(forked) {
             if let (None, Some(doubt)) = (&verdict, forked) {
                 *verdict = Some(Verdict::Undetermined(doubt));
             }
         }
         verdicts
+    }
+
+    /// Puts verdicts in the place of doubts that come from decisions which may go either way, in the shader or in what is
+    /// expected, where all sides of them can be seen.
+    fn shader_on_paths(
+        &mut self,
+        (batch, layout, actual): (&Batch, &OutputLayout, Option<&Actual>),
+        invocations: &[usize],
+        verdicts: &mut [Option<Verdict>],
+    ) {
+        let Self { context, ideal, evaluator, .. } = self;
+        let Some(machine) = ideal else { return };
+        let open = |slot: &usize| match &verdicts[*slot] {
+            Some(Verdict::Undetermined(doubt)) if follow::may_be_settled(doubt) => {
+                follow::is_open(machine.as_domain(), *slot) || evaluator.is_open(*slot)
+            }
+            _ => false,
+        };
+        let slots: Vec<usize> = (0..verdicts.len()).filter(open).collect();
+        if slots.is_empty() {
+            return;
+        }
+        let some: Vec<usize> = slots.iter().map(|&slot| invocations[slot]).collect();
+        let expected = evaluator.on_all_paths(batch, &some);
+        let found = follow::shader(machine, context, (batch, layout, actual), &some, &expected);
+        for (slot, found) in slots.into_iter().zip(found) {
+            match found {
+                Some(Verdict::Agree(_)) => verdicts[slot] = None,
+                Some(verdict) => verdicts[slot] = Some(verdict),
+                None => {}
+            }
+        }
     }
 
     /// For each invocation, whether the rounding of a literal to binary32 decides a comparison.
@@ -340,7 +362,7 @@ impl<'a> SecondPass<'a> {
         }
         let record = actual.layout().vertex.clone();
         for vertex in 0..machine.room() {
-            for (field, shape) in record.fields().iter().enumerate().map(|(k, f)| (k, f.shape)) {
+            for field in 0..record.fields().len() {
                 let mut scale = [0.0_f64; SLOTS];
                 for word in record.range(field) {
                     if let OutputColumn::Real(&column) = machine.output(vertex, word) {
@@ -358,52 +380,38 @@ impl<'a> SecondPass<'a> {
                     open.iter().for_each(|&slot| doubted[slot] = matches!(verdicts[slot], Verdict::Undetermined(_)));
                     let known = Known { open: &open, decided: &decided, doubted: &doubted };
                     for (slot, outcome, error) in open_words(machine, actual, invocations, &known, (vertex, word)) {
-                        let scale = scale[slot];
-                        let size = scale.max(vectors[slot]);
-                        let verdict = match outcome {
-                            Allowed::Within if doubted[slot] => continue,
-                            Allowed::Within if shape.scalar == Scalar::F32 && scale < MIN_NORMAL && scale > 0.0 => {
-                                Verdict::Undetermined(underflow(machine, vertex, word, slot))
-                            }
-                            // Beside its value at the start, what has faded out is 0 on every device.
-                            Allowed::Within
-                                if error <= FADED && scale <= FADED && fades(machine, vertex, word, slot) =>
-                            {
-                                faded_slots[slot] |= error > USELESS * size.max(MIN_NORMAL);
+                        let sizes = (scale[slot], scale[slot].max(vectors[slot]));
+                        let known = (outcome, error, doubted[slot]);
+                        let verdict = match told(machine, actual, invocations[slot], (vertex, word, slot), known, sizes)
+                        {
+                            Told::Right { ulp, faded } => {
+                                ulps[slot] = ulps[slot].max(ulp);
+                                faded_slots[slot] |= faded;
                                 continue;
                             }
-                            Allowed::Within if error > USELESS * size.max(MIN_NORMAL) => {
-                                let reason = Reason::IllConditioned;
-                                Verdict::Undetermined(Doubt { reason, ..underflow(machine, vertex, word, slot) })
-                            }
-                            Allowed::Within => {
-                                ulps[slot] = ulps[slot].max(error / ulp_at(size));
-                                continue;
-                            }
-                            Allowed::Doubtful(doubt) => Verdict::Undetermined(doubt),
-                            Allowed::Outside { meaning, bound } => {
-                                let found = found_word(actual, invocations[slot], vertex, word);
-                                let component = record.word_name(word);
-                                let on = actual.layout().max_vertices.map(|_| vertex);
-                                let what = if actual.is_unwritten(found) {
-                                    What::NotWritten { component, vertex: on }
-                                } else {
-                                    What::Value(Value {
-                                        component,
-                                        vertex: on,
-                                        expected: None,
-                                        meaning,
-                                        actual: found,
-                                        scalar: shape.scalar,
-                                        bound,
-                                    })
-                                };
-                                Verdict::Deviate(Deviation { blame: Blame::Lane, what })
-                            }
+                            Told::Open(doubt) => Verdict::Undetermined(doubt),
+                            Told::Wrong(what) => Verdict::Deviate(Deviation { blame: Blame::Lane, what }),
                         };
                         let before = std::mem::replace(&mut verdicts[slot], Verdict::Agree(*promise));
                         verdicts[slot] = Verdict::worse(Some(before), verdict, 0);
                     }
+                }
+            }
+        }
+        let open = |slot: &usize| match &verdicts[*slot] {
+            Verdict::Undetermined(doubt) if follow::may_be_settled(doubt) => {
+                follow::is_open(machine.as_domain(), *slot)
+            }
+            _ => false,
+        };
+        let opens: Vec<usize> = (0..slots).filter(open).collect();
+        if !opens.is_empty() {
+            let some: Vec<usize> = opens.iter().map(|&slot| invocations[slot]).collect();
+            let found = follow::lane(machine, context.reference, *promise, (batch, actual), &some);
+            for (slot, found) in opens.into_iter().zip(found) {
+                if let Some((verdict, ulp, fades)) = found {
+                    verdicts[slot] = verdict;
+                    (ulps[slot], faded_slots[slot]) = (ulp, fades);
                 }
             }
         }
@@ -417,173 +425,4 @@ impl<'a> SecondPass<'a> {
         }
         verdicts
     }
-}
-
-/// The word of a lane; the mark of what was never written where the vertex is not stored.
-fn found_word(actual: &Actual, invocation: usize, vertex: usize, word: usize) -> u32 {
-    if vertex < actual.stored(invocation) { actual.vertex(invocation, vertex)[word] } else { POISON }
-}
-
-/// What came of one word of one slot.
-enum Allowed {
-    /// The error is within the bound, or within a part of it.
-    Within,
-    Doubtful(Doubt),
-    Outside {
-        meaning: f64,
-        bound: f64,
-    },
-}
-
-/// Slots of a chunk about which something is known.
-struct Known<'k> {
-    /// Those to judge.
-    open: &'k [usize],
-    /// Those in which no comparison is in doubt.
-    decided: &'k [bool],
-    /// Those that are in doubt already: theirs come without a cause, and with any reason.
-    doubted: &'k [bool; SLOTS],
-}
-
-/// Judges one output word in some slots. Gives the slot, what came of it, and its error.
-fn open_words(
-    machine: &mut Machine<'_, Tape<'_>>,
-    actual: &Actual,
-    invocations: &[usize],
-    &Known { open, decided, doubted }: &Known<'_>,
-    (vertex, word): (usize, usize),
-) -> Vec<(usize, Allowed, f64)> {
-    let found = |slot: usize| actual.vertex(invocations[slot], vertex)[word];
-    let column = match machine.output(vertex, word) {
-        OutputColumn::Real(&column) => column,
-        OutputColumn::Word(words) => {
-            let (words, scalar) = (*words, actual.layout().vertex.scalar_of(word));
-            let tape = machine.domain();
-            let judge = |&slot: &usize| {
-                let unwritten = words[slot] == POISON && actual.is_unwritten(found(slot));
-                let outcome = if words[slot] == found(slot) || unwritten {
-                    Allowed::Within
-                } else if !decided[slot] && tape.fork(slot).is_some() {
-                    Allowed::Doubtful(fork(tape, slot))
-                } else {
-                    Allowed::Outside { meaning: real(words[slot], scalar), bound: 0.0 }
-                };
-                (slot, outcome, 0.0)
-            };
-            return open.iter().map(judge).collect();
-        }
-    };
-    let tape = machine.domain();
-    let values = *tape.values(column);
-    // NaN on either side gives an error that is within nothing.
-    let errors: Vec<(usize, f64)> =
-        open.iter().map(|&slot| (slot, (f64::from(f32::from_bits(found(slot))) - values[slot]).abs())).collect();
-    let equal = |slot: usize| f64::from(f32::from_bits(found(slot))) == values[slot];
-    // What is infinite stays so.
-    let settled =
-        |slot: usize, error: f64, bound: f64| bound == f64::INFINITY || equal(slot) || agrees(error, 0.0, bound);
-    let bounds = tape.bounds(column, &mut |bound| errors.iter().all(|&(slot, e)| settled(slot, e, bound[slot])));
-    errors
-        .into_iter()
-        .map(|(slot, error)| {
-            let bound = bounds.bound[slot];
-            if equal(slot) || agrees(error, 0.0, bound) {
-                return (slot, Allowed::Within, if error.is_nan() { 0.0 } else { error });
-            }
-            // What the shader itself leaves unwritten, a lane may leave so.
-            if values[slot].is_poison() && actual.is_unwritten(found(slot)) {
-                return (slot, Allowed::Within, 0.0);
-            }
-            let outcome = if !values[slot].is_finite() || !bound.is_finite() {
-                let cause = || Doubt::by(tape.cause(column, slot));
-                Allowed::Doubtful(if doubted[slot] { Doubt::of(Reason::Branch) } else { cause() })
-            } else if !decided[slot] && tape.fork(slot).is_some() {
-                Allowed::Doubtful(fork(tape, slot))
-            } else {
-                Allowed::Outside { meaning: values[slot], bound }
-            };
-            (slot, outcome, error)
-        })
-        .collect()
-}
-
-type Reevaluated = (usize, Result<(Option<f64>, f64), Doubt>);
-
-/// What one word should be, for each slot.
-struct Aim<'t> {
-    target: &'t dyn Fn(usize) -> Option<f64>,
-    /// How far the target itself may be off.
-    slack: &'t dyn Fn(usize) -> f64,
-    /// Size of the largest component of the variable.
-    scales: &'t [f64],
-}
-
-/// Judges one word of the formula in some slots: those in which the shader means something else, with
-/// its meaning and what binary64 allows, or with a doubt.
-fn word_of_shader(
-    machine: &mut Machine<'_, Tape<'_>>,
-    (vertex, word): (usize, usize),
-    output: &Output,
-    open: &[usize],
-    &Aim { target, slack, scales }: &Aim<'_>,
-) -> Vec<Reevaluated> {
-    let column = match machine.output(vertex, word) {
-        OutputColumn::Real(&column) => column,
-        OutputColumn::Word(words) => {
-            let words = *words;
-            let wrong = |&slot: &usize| {
-                let (meaning, wanted) = (<f64 as Number>::exact(words[slot], output.scalar), target(slot)?);
-                let meaning = (words[slot] != POISON).then_some(meaning);
-                if meaning.is_some_and(|meaning| agrees(meaning, wanted, slack(slot)) || meaning == wanted) {
-                    return None;
-                }
-                if wanted.is_nan() || slack(slot) == f64::INFINITY {
-                    // Nothing is expected here, or it is not known what.
-                    let reason = if wanted.is_nan() { Reason::Domain } else { Reason::Branch };
-                    return Some((slot, Err(Doubt::of(reason))));
-                }
-                Some((slot, Ok((meaning, slack(slot)))))
-            };
-            return open.iter().filter_map(wrong).collect();
-        }
-    };
-    let tape = machine.domain();
-    let values = *tape.values(column);
-    let far: Vec<(usize, f64)> = open
-        .iter()
-        .filter_map(|&slot| Some((slot, (values[slot] - target(slot)?).abs())))
-        .filter(|&(slot, error)| !(error <= NEAR * scales[slot]))
-        .collect();
-    if far.is_empty() {
-        return Vec::new();
-    }
-    let bounds = tape.bounds(column, &mut |_| false);
-    let judge = |(slot, error): (usize, f64)| -> Option<Reevaluated> {
-        let wanted = target(slot)?;
-        let bound = TWO_WAYS * bounds.bound[slot] + NEAR * scales[slot] + slack(slot);
-        if values[slot].is_poison() {
-            return Some((slot, Ok((None, 0.0))));
-        }
-        if wanted.is_nan() {
-            // The formula has no value here.
-            return Some((slot, Err(Doubt { reason: Reason::Domain, cause: tape.cause(column, slot) })));
-        }
-        if slack(slot) == f64::INFINITY {
-            // What is expected is not known well enough to be compared with.
-            return Some((slot, Err(Doubt::of(Reason::IllConditioned))));
-        }
-        if agrees(error, 0.0, bound) {
-            let useless = error - slack(slot) > USELESS_64 * scales[slot].max(MIN_NORMAL);
-            return useless.then(|| (slot, Err(Doubt::of(Reason::IllConditioned))));
-        }
-        // A shader without a value where the formula has one is wrong.
-        if values[slot].is_finite() && !bound.is_finite() {
-            return Some((slot, Err(Doubt::by(tape.cause(column, slot)))));
-        }
-        if values[slot].is_finite() && tape.fork(slot).is_some() {
-            return Some((slot, Err(fork(tape, slot))));
-        }
-        Some((slot, Ok((Some(values[slot]), if bound.is_finite() { bound } else { 0.0 }))))
-    };
-    far.into_iter().filter_map(judge).collect()
 }

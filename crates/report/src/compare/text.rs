@@ -18,6 +18,7 @@ pub fn text(summary: &Summary, color: bool) -> String {
         };
         let (mark, paint, says) = match (&pair.not_compared, pair.unlike.0) {
             (Some(why), _) => ("--    ", weak, format!("not compared: {why}")),
+            (None, 0) if pair.weak().is_some() => ("weak  ", weak, equal(pair)),
             (None, 0) if !pair.is_known() => ("--    ", weak, equal(pair)),
             (None, 0) => ("equal ", good, equal(pair)),
             (None, _) => ("UNLIKE", bad, unlike(pair)),
@@ -40,7 +41,9 @@ pub fn text(summary: &Summary, color: bool) -> String {
     let compared = summary.pairs.iter().filter(|pair| pair.is_known()).count();
     let differ = summary.pairs.iter().filter(|pair| pair.unlike.0 > 0).count();
     let rest = summary.pairs.len() - compared;
-    let _ = write!(text, "\n{compared} compared, {differ} unlike, {rest} not compared");
+    let few = summary.pairs.iter().filter(|pair| pair.weak().is_some()).count();
+    let few = if few == 0 { String::new() } else { format!(", {few} weak") };
+    let _ = write!(text, "\n{compared} compared, {differ} unlike{few}, {rest} not compared");
     for (which, names) in ["first", "second"].iter().zip(&summary.unpaired) {
         let names: Vec<&str> = names.iter().filter(|one| one.why.is_none()).map(|one| one.function.as_str()).collect();
         if !names.is_empty() {
@@ -64,10 +67,15 @@ fn equal(pair: &Compared) -> String {
 
 fn unlike(pair: &Compared) -> String {
     let (all, beyond) = pair.unlike;
-    let hidden = match beyond {
-        0 => ", by no more than a conforming device may be off".to_owned(),
-        beyond if beyond == all => String::new(),
-        beyond => format!(", {beyond} of them by more than a conforming device may be off"),
+    let open = pair.unbounded;
+    let hidden = match (beyond, open) {
+        (0, 0) => ", by no more than a conforming device may be off".to_owned(),
+        (beyond, _) if beyond == all => String::new(),
+        (0, open) if open == all => ", where nothing bounds what a conforming device may be off".to_owned(),
+        (beyond, 0) => format!(", {beyond} of them by more than a conforming device may be off"),
+        (beyond, open) => {
+            format!(", {beyond} of them by more than a conforming device may be off, {open} where nothing bounds that")
+        }
     };
     format!("{all} of {} samples mean something else{hidden}", pair.samples)
 }

@@ -47,6 +47,9 @@ struct Function<'a> {
     dispatches: u64,
     not_dispatched: Option<&'a str>,
     not_run: Option<&'a str>,
+    /// What leaves most samples undetermined.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    weak: Option<&'static str>,
     inputs: Vec<Domain<'a>>,
     textures: &'a [String],
     max_error: f64,
@@ -171,6 +174,7 @@ fn function(report: &FunctionReport) -> Function<'_> {
         dispatches: report.dispatches,
         not_dispatched: report.not_dispatched.as_deref(),
         not_run: report.not_run.as_deref(),
+        weak: report.weak().map(Reason::name),
         inputs: report
             .inputs
             .iter()

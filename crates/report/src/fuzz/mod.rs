@@ -53,8 +53,10 @@ pub struct Totals {
     pub findings: usize,
     /// Findings of the severity `Warning`.
     pub warnings: usize,
-    /// Findings of the severity `Note`.
+    /// Findings of the severity `Note`, without those that are told in any case.
     pub notes: usize,
+    /// Functions that ran, in which nothing is wrong and most samples are undetermined.
+    pub weak: usize,
     /// Files that do not compile.
     pub broken: usize,
 }
@@ -81,7 +83,10 @@ impl Summary {
                 }
                 totals.findings += function.of(Severity::Finding).count();
                 totals.warnings += function.of(Severity::Warning).count();
-                totals.notes += function.of(Severity::Note).count();
+                totals.weak += usize::from(function.weak().is_some());
+                if !function.tells_notes() {
+                    totals.notes += function.of(Severity::Note).count();
+                }
             }
         }
         totals

@@ -35,7 +35,11 @@ pub fn line(function: &FunctionReport, color: bool) -> String {
     let (mark, paint, text) = match &function.not_run {
         Some(why) => ("--  ", style.weak, format!("not run: {why}")),
         None => {
-            let (mark, paint) = if function.fails() { ("FAIL", style.bad) } else { ("ok  ", style.good) };
+            let (mark, paint) = match (function.fails(), function.weak()) {
+                (true, _) => ("FAIL", style.bad),
+                (false, Some(_)) => ("weak", style.weak),
+                (false, None) => ("ok  ", style.good),
+            };
             let counted = [
                 (Severity::Finding, "finding", "findings"),
                 (Severity::Warning, "warning", "warnings"),
@@ -59,6 +63,7 @@ pub fn line(function: &FunctionReport, color: bool) -> String {
                     n => parts.push(format!("{n} {many}")),
                 }
             }
+            parts.extend(function.weak().map(|reason| format!("mostly undetermined: {reason}")));
             parts.extend(function.lanes.iter().map(on_lane));
             (mark, paint, parts.join("  "))
         }
@@ -94,6 +99,7 @@ pub fn findings(file: &FileReport, notes: bool, color: bool) -> String {
     }
     for function in &file.functions {
         let mut shown = false;
+        let notes = notes || function.tells_notes();
         let told = |f: &&Finding| (notes || f.severity != Severity::Note) && !is_unstated(f);
         for finding in function.findings.iter().filter(told) {
             one(&mut text, function, finding, color);
@@ -274,9 +280,10 @@ pub fn totals(summary: &Summary, notes: bool, color: bool) -> String {
     let failed = totals.findings + totals.broken > 0;
     let (word, paint) = if failed { ("fail", style.bad) } else { ("ok", style.good) };
     let broken = if totals.broken == 0 { String::new() } else { format!(", {} files do not compile", totals.broken) };
+    let weak = if totals.weak == 0 { String::new() } else { format!(" ({} weak)", totals.weak) };
     let _ = writeln!(
         text,
-        "{paint}{word}{}: {} functions run, {} not run, {} findings, {} warnings{broken}",
+        "{paint}{word}{}: {} functions run{weak}, {} not run, {} findings, {} warnings{broken}",
         style.off, totals.run, totals.not_run, totals.findings, totals.warnings
     );
     text

@@ -67,6 +67,7 @@ fn text(summary: &Summary) -> Markup {
 
 fn standing(pair: &Compared) -> &'static str {
     match (pair.is_known(), pair.unlike.0) {
+        (_, 0) if pair.weak().is_some() => "weak",
         (false, _) => "not compared",
         (true, 0) => "equal",
         (true, _) => "unlike",
@@ -118,7 +119,9 @@ fn compared(pair: &Compared, number: usize) -> Markup {
             @if pair.unlike.0 > 0 {
                 ", " b { (count(pair.unlike.0)) " something else" } ", " (count(pair.unlike.1))
                 " of them by more than a conforming device may be off"
+                @if pair.unbounded > 0 { ", " (count(pair.unbounded)) " where nothing bounds that" }
             }
+            @if let Some(reason) = pair.weak() { ", most are undetermined (" (reason.to_string()) ")" }
             "."
         }
         @if let Some(smallest) = &pair.smallest {

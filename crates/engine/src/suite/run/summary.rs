@@ -140,7 +140,7 @@ impl Report {
             Standing::Failed
         } else if !self.known.is_empty() {
             Standing::Known
-        } else if self.judged() == 0 {
+        } else if self.judged() + undetermined == 0 {
             Standing::NotRun
         } else if undetermined > self.judged() {
             Standing::Weak

@@ -3,6 +3,7 @@
 use super::model::Model;
 use super::{Expected, Reference, ReferenceKind, given};
 use crate::tape::Tape;
+use crate::verdict::follow::{self, OnPath};
 use crate::verdict::second_pass::{TWO_WAYS, USELESS_64};
 use base::value::{Batch, Scalar};
 use program::interp::{Binary64, Domain, InterpError, Machine, Number, OutputColumn, POISON, SLOTS};
@@ -18,10 +19,15 @@ pub(in crate::verdict) struct Evaluator<'a> {
     bounded: bool,
 }
 
-/// A model and what it gave last: values by vertex, word and slot.
+/// A model and what it gave last.
 struct Running<'a> {
     model: &'a Model,
     machine: Interpreter<'a>,
+    given: Gave,
+}
+
+/// What a model gave in a run: values by vertex, word and slot.
+struct Gave {
     values: Vec<f64>,
     slack: Vec<f64>,
     emitted: Vec<u32>,
@@ -78,13 +84,36 @@ impl<'a> Evaluator<'a> {
             }
             ReferenceKind::Model(_) => {
                 if let Some(running) = &self.model {
-                    running.expected(slot, expected);
+                    running.given.expected(running.model, slot, expected);
                 }
             }
             ReferenceKind::Given(rules) => given::eval(rules, &self.reference.outputs, (batch, invocation), expected),
             ReferenceKind::Recorded(recorded) => recorded.eval(batch, invocation, expected),
             ReferenceKind::Nothing => expected.clear(),
         }
+    }
+
+    /// Whether a decision of a reference that was turned to may go either way in a slot.
+    pub fn is_open(&self, slot: usize) -> bool {
+        match self.model.as_ref().map(|running| &running.machine) {
+            Some(Interpreter::Bounded(machine)) => follow::is_open(machine.as_domain(), slot),
+            Some(Interpreter::Plain(_)) | None => false,
+        }
+    }
+
+    /// What is expected of invocations on each path through decisions of the reference; `None` where these are too many. What
+    /// was turned to is forgotten.
+    pub fn on_all_paths(&mut self, batch: &Batch, invocations: &[usize]) -> Vec<Option<Vec<Expected>>> {
+        if let Some(running) = &mut self.model {
+            return running.on_all_paths(batch, invocations);
+        }
+        self.turn_to(batch, invocations);
+        let mut of = |(slot, &invocation): (usize, &usize)| {
+            let mut expected = Expected::default();
+            self.expected(batch, invocation, slot, &mut expected);
+            Some(vec![expected])
+        };
+        invocations.iter().enumerate().map(&mut of).collect()
     }
 }
 
@@ -148,56 +177,91 @@ impl<'a> Running<'a> {
             Interpreter::Plain(Box::new(model.oracle.ideal_or_meaning()))
         };
         let (values, slack, emitted, strips) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { model, machine, values, slack, emitted, strips, endless: [false; SLOTS] }
+        Self { model, machine, given: Gave { values, slack, emitted, strips, endless: [false; SLOTS] } }
     }
 
     fn run(&mut self, batch: &Batch, invocations: &[usize]) {
-        let Self { model, machine, values, slack, emitted, strips, endless } = self;
-        let own = model.batch(batch, invocations);
-        for list in [&mut *values, &mut *slack] {
-            list.clear();
-        }
-        match machine {
-            Interpreter::Plain(machine) => {
-                machine.run(&own, 0);
-                each_word(machine, model, |machine, (vertex, word)| {
-                    values.extend_from_slice(&match machine.output(vertex, word) {
-                        OutputColumn::Real(column) => *column.values(),
-                        OutputColumn::Word(words) => exact(words, model, word),
-                    });
-                });
-                *endless = shape(machine, emitted, strips);
-            }
-            Interpreter::Bounded(machine) => {
-                machine.run(&own, 0);
-                each_word(machine, model, |machine, (vertex, word)| match machine.output(vertex, word) {
-                    OutputColumn::Real(&column) => {
-                        let tape = machine.domain();
-                        values.extend_from_slice(tape.values(column));
-                        let bounds = tape.bounds(column, &mut |_| false);
-                        // Where a comparison could go either way, or binary64 is too coarse, it may be any.
-                        let values = *tape.values(column);
-                        slack.extend((0..SLOTS).map(|slot| {
-                            let bound = TWO_WAYS * bounds.bound[slot];
-                            let known = tape.fork(slot).is_none() && bound <= USELESS_64 * values[slot].abs().max(1.0);
-                            if known { bound } else { f64::INFINITY }
-                        }));
-                    }
-                    OutputColumn::Word(words) => {
-                        values.extend_from_slice(&exact(words, model, word));
-                        let tape = machine.domain();
-                        slack.extend((0..SLOTS).map(|slot| tape.fork(slot).map_or(0.0, |_| f64::INFINITY)));
-                    }
-                });
-                *endless = shape(machine, emitted, strips);
-            }
-        }
+        let own = self.model.batch(batch, invocations);
+        match &mut self.machine {
+            Interpreter::Plain(machine) => machine.run(&own, 0),
+            Interpreter::Bounded(machine) => machine.run(&own, 0),
+        };
+        self.machine.read(self.model, &mut self.given);
     }
 
-    fn expected(&self, slot: usize, expected: &mut Expected) {
+    /// What is expected of invocations on each path through decisions that may go either way; `None` where they are too many.
+    fn on_all_paths(&mut self, batch: &Batch, invocations: &[usize]) -> Vec<Option<Vec<Expected>>> {
+        let own = self.model.batch(batch, invocations);
+        let (model, given) = (self.model, &mut self.given);
+        let Interpreter::Bounded(machine) = &mut self.machine else { return vec![None; invocations.len()] };
+        let mut all: Vec<Vec<Expected>> = vec![Vec::new(); invocations.len()];
+        let samples: Vec<usize> = (0..invocations.len()).collect();
+        let known = follow::on_all_paths(machine, &own, &samples, &mut |machine, _, seen| {
+            given.read_bounded(machine, model);
+            for &OnPath { slot, sample } in seen {
+                let mut expected = Expected::default();
+                given.expected(model, slot, &mut expected);
+                all[sample].push(expected);
+            }
+        });
+        all.into_iter().zip(known).map(|(all, known)| known.then_some(all)).collect()
+    }
+}
+
+impl Interpreter<'_> {
+    /// What the last run gave.
+    fn read(&mut self, model: &Model, given: &mut Gave) {
+        match self {
+            Self::Plain(machine) => given.read_plain(machine, model),
+            Self::Bounded(machine) => given.read_bounded(machine, model),
+        }
+    }
+}
+
+impl Gave {
+    fn read_plain(&mut self, machine: &mut Machine<'_, Binary64>, model: &Model) {
+        let Self { values, slack, emitted, strips, endless } = self;
+        values.clear();
+        slack.clear();
+        each_word(machine, model, |machine, (vertex, word)| {
+            values.extend_from_slice(&match machine.output(vertex, word) {
+                OutputColumn::Real(column) => *column.values(),
+                OutputColumn::Word(words) => exact(words, model, word),
+            });
+        });
+        *endless = shape(machine, emitted, strips);
+    }
+
+    fn read_bounded(&mut self, machine: &mut Machine<'_, Tape<'_>>, model: &Model) {
+        let Self { values, slack, emitted, strips, endless } = self;
+        values.clear();
+        slack.clear();
+        each_word(machine, model, |machine, (vertex, word)| match machine.output(vertex, word) {
+            OutputColumn::Real(&column) => {
+                let tape = machine.domain();
+                values.extend_from_slice(tape.values(column));
+                let bounds = tape.bounds(column, &mut |_| false);
+                // Where a comparison could go either way, or binary64 is too coarse, it may be any.
+                let values = *tape.values(column);
+                slack.extend((0..SLOTS).map(|slot| {
+                    let bound = TWO_WAYS * bounds.bound[slot];
+                    let known = tape.fork(slot).is_none() && bound <= USELESS_64 * values[slot].abs().max(1.0);
+                    if known { bound } else { f64::INFINITY }
+                }));
+            }
+            OutputColumn::Word(words) => {
+                values.extend_from_slice(&exact(words, model, word));
+                let tape = machine.domain();
+                slack.extend((0..SLOTS).map(|slot| tape.fork(slot).map_or(0.0, |_| f64::INFINITY)));
+            }
+        });
+        *endless = shape(machine, emitted, strips);
+    }
+
+    fn expected(&self, model: &Model, slot: usize, expected: &mut Expected) {
         expected.clear();
-        let words: usize = self.model.outputs.iter().map(ExactSizeIterator::len).sum();
-        let stored = if self.model.emits() { self.emitted[slot] as usize } else { 1 };
+        let words: usize = model.outputs.iter().map(ExactSizeIterator::len).sum();
+        let stored = if model.emits() { self.emitted[slot] as usize } else { 1 };
         let room = self.strips.len() / SLOTS;
         for vertex in 0..stored {
             // Vertices past the limit are counted and have no values.
@@ -207,7 +271,7 @@ impl<'a> Running<'a> {
             if !self.slack.is_empty() {
                 expected.slack.extend((0..words).map(|k| pick(&self.slack, k).unwrap_or(0.0)));
             }
-            if self.model.emits() {
+            if model.emits() {
                 expected.strips.push(self.strips.get(vertex * SLOTS + slot).copied().unwrap_or_default());
             }
         }
