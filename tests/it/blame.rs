@@ -285,3 +285,72 @@ fn what_the_rounding_of_a_literal_decides_is_undetermined() {
     let found = verdicts(&edited, &bits(0.125));
     assert!(matches!(&found[0], Verdict::Deviate(d) if d.blame == Blame::Shader), "{found:?}");
 }
+
+/// A lane that runs another text: what a compiler makes of the first one. It shows nothing of what comes on the way.
+struct Compiled(Box<dyn Lane>, Program);
+
+impl Lane for Compiled {
+    fn description(&self) -> &Description {
+        self.0.description()
+    }
+
+    fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
+        match kernel.program.instrumented {
+            true => Err(LaneError::Unsupported("traces".to_owned())),
+            false => self.0.prepare(&self.1.compute_kernel().unwrap(), capacity),
+        }
+    }
+}
+
+#[test]
+fn a_rounding_that_is_left_out_is_named_by_its_pair() {
+    let program = |body: &str| {
+        let text = format!("#version 450 core\nfloat f(float x) {{ {body} }}\n");
+        let file = SourceFile::new("f.glsl", text);
+        Program::from_source(&file, syntax::Stage::Library, |_| Ok(Target::Function("f".into()))).unwrap()
+    };
+    for (written, compiled, x, said) in [
+        (
+            "return unpackHalf2x16(packHalf2x16(vec2(x, 1.0))).x;",
+            "return x;",
+            0.100_1_f32,
+            Some(["packHalf2x16(vec2(x, 1.0))", "unpackHalf2x16(packHalf2x16(vec2(x, 1.0)))"]),
+        ),
+        ("int i = int(x); return float(i) * 0.5;", "return x * 0.5;", 3.7, Some(["int(x)", "float(i)"])),
+        ("return float(uint(x)) + 1.0;", "return x + 1.0;", 3.7, Some(["uint(x)", "float(uint(x))"])),
+        // Another fault, beside a pair that is there and elsewhere.
+        ("return float(int(x)) * 0.5;", "return x * 0.25;", 3.7, None),
+        ("return x * 0.5;", "return x * 0.25;", 3.7, None),
+    ] {
+        let shader = program(written);
+        let (oracle, reference) = (Oracle::new(&shader).unwrap(), Reference::nothing(&shader));
+        let promises = text(vulkan());
+        let stage = Stage::Compute;
+        let context = JudgeContext { oracle: &oracle, reference: &reference, promises: &promises, stage };
+        let batch = Batch {
+            invocation_record: Arc::new(shader.invocation_record()),
+            case_record: Arc::default(),
+            per_case: 1,
+            invocations: vec![x.to_bits()],
+            cases: Vec::new(),
+        };
+        let lane = Compiled(embedded::open().unwrap(), program(compiled));
+        let actual = lane.prepare(&shader.compute_kernel().unwrap(), 1).unwrap().run(&batch).unwrap();
+        let Verdict::Deviate(deviation) = judge_each(&context, &batch, &actual).remove(0) else {
+            panic!("{written}: as {compiled} it is not found")
+        };
+        let suspected =
+            Suspected { lane: &lane, stage, kernel: &Program::compute_kernel, batch: &batch, deviation: &deviation };
+        let origin = diagnosis::lane(&context, &shader, &suspected).unwrap().origin;
+        match said {
+            Some([there, back]) => {
+                let Some(Origin::RoundingLeftOut { there: a, back: b }) = &origin else {
+                    panic!("{written}: {origin:?}")
+                };
+                let texts = [a, b].map(|place| place.as_ref().map(|place| place.text.as_str()));
+                assert_eq!(texts, [Some(there), Some(back)], "{written}");
+            }
+            None => assert_eq!(origin, Some(Origin::Miscompilation), "{written}"),
+        }
+    }
+}

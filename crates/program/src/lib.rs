@@ -47,7 +47,7 @@ pub use capture::{
     WORKGROUP, binding, uniform_blocks,
 };
 pub use constants::{Constant, Constants, WrittenLiteral};
-pub use contain::contain;
+pub use contain::{Panic, contain, contain_whole};
 pub use dispatched::{Dispatch, Dispatched, HostBuffer};
 pub use drawn::ranges;
 pub use drawn::{Count, Drawn};

@@ -275,6 +275,7 @@ impl Dispatched {
             also: Vec::new(),
             diagnosis: None,
             reproduce: Some(command.to_owned()),
+            own_translator: false,
         }
     }
 

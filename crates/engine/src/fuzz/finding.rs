@@ -2,8 +2,8 @@
 
 use super::domain::{Law, Standing};
 use crate::InputValue;
-use judge::verdict::{BatchVerdict, Reason};
 use judge::verdict::diagnosis::{Diagnosis, Place};
+use judge::verdict::{BatchVerdict, Reason};
 use lanes::LaneName;
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +14,8 @@ pub enum FuzzFindingKind {
     LaneDeviation,
     /// A lane gives different outputs for the same inputs.
     NotDeterministic,
+    /// Invocations of a lane disturb each other: what the same inputs give depends on what stands beside them.
+    Disturbed,
     /// A lane could not run the function to its end.
     LaneFailed,
     /// An output has no value.
@@ -74,6 +76,7 @@ impl FuzzFindingKind {
         match self {
             Self::LaneDeviation => "lane_deviation",
             Self::NotDeterministic => "not_deterministic",
+            Self::Disturbed => "disturbed",
             Self::LaneFailed => "lane_failed",
             Self::NoValue => "no_value",
             Self::Infinite => "infinite",
@@ -106,7 +109,7 @@ impl FuzzFindingKind {
     /// How bad it is, by the samples that show it that say most, and where every input has a stated domain or not.
     pub fn severity(self, standing: Standing, stated: bool) -> Severity {
         match self {
-            Self::LaneDeviation | Self::NotDeterministic | Self::LaneFailed => Severity::Finding,
+            Self::LaneDeviation | Self::NotDeterministic | Self::Disturbed | Self::LaneFailed => Severity::Finding,
             // Dispatches are judged where they are run.
             Self::Race | Self::Divergence | Self::SubgroupWidth => Severity::Finding,
             Self::NoValue
@@ -238,6 +241,9 @@ pub struct Finding {
     pub diagnosis: Option<Diagnosis>,
     /// A command that shows it again.
     pub reproduce: Option<String>,
+    /// True for a deviation of a lane that comes from the translator which this tool puts between a text and a driver.
+    #[serde(default)]
+    pub own_translator: bool,
 }
 
 impl Finding {

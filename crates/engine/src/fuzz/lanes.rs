@@ -2,6 +2,7 @@
 
 use super::domain::{Domain, Shrinking, Within};
 use super::finding::{Finding, FuzzFindingKind, LaneReport, Part, Severity};
+use super::stage;
 use super::subject::Ready;
 use crate::InputValue;
 use base::value::{Batch, Scalar};
@@ -18,9 +19,14 @@ use property::shrink::shrink;
 /// Failing samples that are shrunk.
 const SHRUNK: usize = 4;
 
+/// What is told of invocations that disturb each other.
+const DISTURB: &str =
+    "invocations disturb each other: what the same inputs give depends on those beside them, each time alike";
+
 /// A function on a lane.
 pub struct OnLane<'a> {
     lane: &'a dyn Lane,
+    stage: Stage,
     promises: &'a Promises,
     ready: &'a Ready,
     reference: &'a Reference,
@@ -31,8 +37,23 @@ pub struct OnLane<'a> {
     failing: Vec<Sample>,
     unstable: Vec<Sample>,
     unstable_count: u64,
+    /// The first dispatch in which a sample deviated or differed from its twin, with that sample and what it gave.
+    odd: Option<Odd>,
     failed: Option<String>,
 }
+
+/// A sample of a dispatch with what it gave there.
+struct Odd {
+    batch: Batch,
+    /// It and its twin, or it alone.
+    places: Vec<usize>,
+    gave: Vec<Vec<u32>>,
+}
+
+/// Dispatches in which a sample has to give the same again.
+const AGAIN: usize = 3;
+/// Dispatches in which the place is sought whose outputs a sample gets, where it gets those of another.
+const ROTATIONS: usize = 12;
 
 impl<'a> OnLane<'a> {
     /// Makes the function ready for batches of `capacity` samples.
@@ -42,7 +63,14 @@ impl<'a> OnLane<'a> {
         (reference, oracle): (&'a Reference, &'a Oracle),
         capacity: usize,
     ) -> Self {
-        let (runner, failed) = match lane.prepare(&ready.kernel, capacity) {
+        let stage = stage::stage_of(lane, &ready.program);
+        let prepared = match stage {
+            Stage::Compute => lane.prepare(&ready.kernel, capacity),
+            stage => stage::kernel(&ready.program, stage)
+                .map_err(|error| LaneError::Unsupported(error.to_string()))
+                .and_then(|kernel| lane.prepare(&kernel, capacity)),
+        };
+        let (runner, failed) = match prepared {
             Ok(runner) => (Ok(Fence::new(runner, oracle, &ready.kernel.output)), None),
             Err(error @ LaneError::Unsupported(_)) => (Err(error.to_string()), None),
             // A lane that fails before it runs anything fails all the same.
@@ -50,6 +78,7 @@ impl<'a> OnLane<'a> {
         };
         Self {
             lane,
+            stage,
             promises,
             ready,
             reference,
@@ -60,12 +89,13 @@ impl<'a> OnLane<'a> {
             failing: Vec::new(),
             unstable: Vec::new(),
             unstable_count: 0,
+            odd: None,
             failed,
         }
     }
 
     fn context(&self) -> JudgeContext<'a> {
-        JudgeContext { oracle: self.oracle, reference: self.reference, promises: self.promises, stage: Stage::Compute }
+        JudgeContext { oracle: self.oracle, reference: self.reference, promises: self.promises, stage: self.stage }
     }
 
     fn dispatch(&mut self, batch: &Batch) -> Option<Actual> {
@@ -123,6 +153,10 @@ impl<'a> OnLane<'a> {
             let part = part.as_ref().unwrap_or(batch);
             let Some(actual) = self.dispatch(part) else { return };
             let verdict = judge_batch(&self.context(), part, &actual);
+            if let (Some(failure), None) = (verdict.failures.first(), &self.odd) {
+                let places = vec![failure.invocation];
+                self.odd = Some(Odd { batch: part.clone(), gave: vec![words_of(&actual, places[0])], places });
+            }
             let room = 16_usize.saturating_sub(self.failing.len());
             self.failing.extend(verdict.failures.iter().take(room).map(|f| Sample::of(part, f.invocation)));
             self.of(in_part).merge(verdict);
@@ -137,6 +171,12 @@ impl<'a> OnLane<'a> {
                 self.unstable_count += 1;
                 if self.unstable.is_empty() {
                     self.unstable.push(Sample::of(batch, a));
+                    let first = a / capacity * capacity;
+                    if b / capacity * capacity == first && self.odd.is_none() {
+                        let part = part_of(batch, first, capacity.min(count - first)).unwrap_or_else(|| batch.clone());
+                        let gave = vec![outputs[a].clone(), outputs[b].clone()];
+                        self.odd = Some(Odd { batch: part, places: vec![a - first, b - first], gave });
+                    }
                 }
             }
         }
@@ -147,6 +187,7 @@ impl<'a> OnLane<'a> {
         let name = self.lane.description().name;
         let part =
             if self.verdicts.deviated == 0 && self.hostile.deviated > 0 { Part::Hostile } else { Part::Realistic };
+        let disturbed = self.disturbed();
         let mut findings = Vec::new();
         let blank = |kind, message| Finding {
             kind,
@@ -167,20 +208,24 @@ impl<'a> OnLane<'a> {
             also: Vec::new(),
             diagnosis: None,
             reproduce: None,
+            own_translator: false,
         };
         if let Some(sample) = self.unstable.first() {
             findings.push(Finding {
                 count: self.unstable_count,
                 inputs: InputValue::all(sample, &self.ready.program),
                 reproduce: Some(reproduce(sample)),
-                ..blank(
-                    FuzzFindingKind::NotDeterministic,
-                    "the same inputs give different outputs in one dispatch".to_owned(),
-                )
+                ..match disturbed {
+                    true => blank(FuzzFindingKind::Disturbed, DISTURB.to_owned()),
+                    false => blank(
+                        FuzzFindingKind::NotDeterministic,
+                        "the same inputs give different outputs in one dispatch".to_owned(),
+                    ),
+                }
             });
         }
         if !self.failing.is_empty() {
-            match self.deviations(domain, reproduce, &blank) {
+            match self.deviations(domain, reproduce, &blank, disturbed) {
                 Ok(found) => findings.extend(found),
                 Err(_) if interrupt::asked() => {
                     let message = "samples deviate; the run was interrupted before they were looked into".to_owned();
@@ -201,12 +246,51 @@ impl<'a> OnLane<'a> {
         (LaneReport { lane: name, verdicts: self.verdicts, hostile: self.hostile, not_run }, findings)
     }
 
+    /// Whether what was odd comes of the samples beside it: the same dispatch gives the same again, each time, and in one that
+    /// holds nothing but the sample it gives something else.
+    fn disturbed(&mut self) -> bool {
+        let Some(Odd { batch, places, gave }) = self.odd.take().filter(|_| !interrupt::asked()) else { return false };
+        let Ok(runner) = &mut self.runner else { return false };
+        let sample = Sample::of(&batch, places[0]);
+        let alone = Sample::batch(&vec![sample; batch.invocation_count()]);
+        let mut run = |batch: &Batch| {
+            let actual = runner.run(batch).ok()?;
+            Some(places.iter().map(|&k| words_of(&actual, k)).collect::<Vec<_>>())
+        };
+        let mut odd = None;
+        for _ in 0..AGAIN {
+            let Some(right) = run(&alone) else { return false };
+            if run(&batch).as_ref() != Some(&gave) {
+                return false;
+            }
+            odd = (0..places.len()).find(|&k| right[k] != gave[k]).map(|k| places[k]);
+        }
+        odd.is_some_and(|at| !self.is_swapped(&batch, at))
+    }
+
+    /// True where a sample that gives something else beside others gives what another place of the dispatch gives, the same one
+    /// whatever stands there: memory is addressed wrongly.
+    fn is_swapped(&mut self, batch: &Batch, at: usize) -> bool {
+        let Ok(runner) = &mut self.runner else { return false };
+        let count = batch.invocation_count();
+        let mut from: Vec<usize> = (0..count).filter(|&k| k != at).collect();
+        for shift in 0..ROTATIONS {
+            // The others in turn, with the sample in its place.
+            let order = (0..count).map(|k| if k == at { at } else { (k + shift) % count });
+            let Ok(actual) = runner.run(&batch.apart(order)) else { return false };
+            let found = words_of(&actual, at);
+            from.retain(|&k| words_of(&actual, k) == found);
+        }
+        !from.is_empty()
+    }
+
     /// Shrinks the failing samples together, and tells each kind of deviation once.
     fn deviations(
         &mut self,
         domain: &Domain,
         reproduce: &dyn Fn(&Sample) -> String,
         blank: &dyn Fn(FuzzFindingKind, String) -> Finding,
+        disturbed: bool,
     ) -> Result<Vec<Finding>, LaneError> {
         let context = self.context();
         let Ok(runner) = &mut self.runner else { return Ok(Vec::new()) };
@@ -233,21 +317,23 @@ impl<'a> OnLane<'a> {
             let actual = runner.run(&batch)?;
             let Some(Verdict::Deviate(deviation)) = judge_each(&context, &batch, &actual).pop() else {
                 // Message once, as a lane that gives different outputs for the same inputs is.
-                if let Some(reported) =
-                    findings.iter_mut().find(|reported| reported.kind == FuzzFindingKind::NotDeterministic)
-                {
+                let kind = if disturbed { FuzzFindingKind::Disturbed } else { FuzzFindingKind::NotDeterministic };
+                if let Some(reported) = findings.iter_mut().find(|reported| reported.kind == kind) {
                     reported.count += 1;
                     continue;
                 }
                 if !self.unstable.is_empty() {
                     continue;
                 }
-                let message = "a sample deviated, and agreed when it was run again".to_owned();
+                let message = match disturbed {
+                    true => DISTURB.to_owned(),
+                    false => "a sample deviated, and agreed when it was run again".to_owned(),
+                };
                 findings.push(Finding {
                     count: 1,
                     inputs: InputValue::all(&sample, &self.ready.program),
                     reproduce: Some(reproduce(&sample)),
-                    ..blank(FuzzFindingKind::NotDeterministic, message)
+                    ..blank(kind, message)
                 });
                 continue;
             };
@@ -261,17 +347,14 @@ impl<'a> OnLane<'a> {
             if reported.iter().any(|(o, s)| *o == output || *s == sample) {
                 continue;
             }
-            let kernel = |program: &Program| program.compute_kernel();
-            let suspected = Suspected {
-                lane: self.lane,
-                stage: Stage::Compute,
-                kernel: &kernel,
-                batch: &batch,
-                deviation: &deviation,
-            };
+            let stage = self.stage;
+            let kernel = |program: &Program| stage::kernel(program, stage);
+            let suspected = Suspected { lane: self.lane, stage, kernel: &kernel, batch: &batch, deviation: &deviation };
             let diagnosis =
                 diagnosis::lane(&context, &self.ready.program, &suspected).unwrap_or_else(|_| Diagnosis::default());
+            let own = stage::is_of_own_translator(self.lane, &self.ready.program, &batch, &diagnosis);
             findings.push(Finding {
+                own_translator: own,
                 count: self.verdicts.deviated + self.hostile.deviated,
                 inputs: InputValue::all(&sample, &self.ready.program),
                 output: Some(output.clone()),

@@ -24,6 +24,7 @@ mod run;
 mod scan;
 mod shrinking;
 mod slice;
+mod stage;
 mod subject;
 mod words;
 mod wrapper;

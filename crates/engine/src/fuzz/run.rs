@@ -12,6 +12,7 @@ use super::lowered::Lowered;
 use super::name::{Key, Named, name, place, undefined};
 use super::scan::{Look, Trouble, scan};
 use super::shrinking::smallest;
+use super::stage;
 use super::subject::{Ready, Subject};
 use super::words::{cause, message};
 use crate::{InputValue, dispatch};
@@ -19,6 +20,7 @@ use base::value::{Batch, Record};
 use judge::profile::Promises;
 use judge::verdict::{Fenced, Oracle, Reference, Rounds, edges};
 use lanes::{Lane, LaneName, embedded, interrupt};
+use program::Program;
 use property::{Sample, Stream, regressions};
 
 /// Samples of one batch, and words of its largest record in all.
@@ -287,6 +289,7 @@ pub fn run(
         report.lanes.push(lane);
         report.findings.extend(findings);
     }
+    own_translator(lanes, &ready.program, &mut report);
     add_findings(looked, groups, request, &reproduce, &mut report);
     if let Some(lowered) = lowered.filter(|_| !interrupt::asked()) {
         let standing = Standing::Counts;
@@ -299,6 +302,21 @@ pub fn run(
     }
     report.findings.sort_by_key(|f| (f.severity, f.kind));
     Ok(report)
+}
+
+/// Makes notes of deviations that come from the translator which this tool puts between a text and a driver, where a lane that
+/// does without it is right: no driver is at fault, and no shader.
+fn own_translator(lanes: &[(&dyn Lane, Promises)], program: &Program, report: &mut FunctionReport) {
+    let FunctionReport { lanes: given, findings, .. } = report;
+    let all = lanes.iter().map(|(lane, _)| *lane).zip(given.iter());
+    let Some((right, front_end)) = stage::another(all, program) else { return };
+    for finding in findings.iter_mut().filter(|finding| finding.own_translator) {
+        finding.severity = Severity::Note;
+        finding.message = format!(
+            "{}; `{right}` gets the text by {front_end} and is right, so that the translator of this lane is at fault",
+            finding.message
+        );
+    }
 }
 
 /// The name of a function as a word of a command.
@@ -533,5 +551,6 @@ fn finding(
         also: Vec::new(),
         diagnosis: None,
         reproduce: Some(reproduce(sample)),
+        own_translator: false,
     }
 }

@@ -95,6 +95,7 @@ pub(super) fn message(named: &Named, shown: &str) -> String {
         FuzzFindingKind::IntegerOverflow => "a signed integer does not fit 32 bits".to_owned(),
         FuzzFindingKind::LaneDeviation
         | FuzzFindingKind::NotDeterministic
+        | FuzzFindingKind::Disturbed
         | FuzzFindingKind::LaneFailed
         | FuzzFindingKind::Race
         | FuzzFindingKind::Divergence

@@ -16,6 +16,7 @@ mod brackets;
 mod columns;
 mod decay;
 mod decision;
+mod folded;
 mod functions;
 mod held;
 mod inherited;
@@ -43,6 +44,7 @@ use program::interp::{
 
 use arena::{Arena, Id, MOST, Meta, NodeKind, Slots};
 pub use decay::FADED;
+pub use folded::Fold;
 pub use memory::Cell;
 pub use model::Model;
 pub(crate) use model::gap;
@@ -80,6 +82,8 @@ pub struct Tape<'p> {
     stepping: Mask,
     /// The sides that decisions take, where they are followed.
     paths: Option<paths::Paths>,
+    /// A pair of operations that is left out, where one is.
+    folding: Option<folded::Folding>,
     /// For each node, whether it holds whole numbers that the program made.
     whole: Vec<bool>,
     sweep: sweep::Scratch,
@@ -102,6 +106,7 @@ impl<'p> Tape<'p> {
             given_up: [None; SLOTS],
             stepping: Mask::NONE,
             paths: None,
+            folding: None,
             whole: Vec::new(),
             sweep: sweep::Scratch::default(),
             tangents: None,
@@ -229,6 +234,9 @@ impl Domain for Tape<'_> {
         self.stepping = Mask::NONE;
         if let Some(paths) = &mut self.paths {
             paths.begin();
+        }
+        if let Some(folding) = &mut self.folding {
+            folding.begin();
         }
         // Node 0 holds zeros: what a column holds that nobody wrote.
         if self.arena.nodes.is_empty() {
@@ -372,6 +380,7 @@ impl Domain for Tape<'_> {
             self.edges[slot] |= texel && self.forks[slot].is_none();
             self.note_fork(site, [slot].into_iter());
         }
+        self.note_words(site, op, a as Id, out);
         outside
     }
 
@@ -397,6 +406,7 @@ impl Domain for Tape<'_> {
             self.lower(id);
             self.bracket(id);
         }
+        let id = self.unrounded(site, op, a, id);
         self.hold(out, id);
     }
 

@@ -244,6 +244,9 @@ impl Tape<'_> {
 
     /// The nearest binary16.
     fn half(&mut self, site: Site, a: Id) -> Id {
+        if self.leaves_half_out(site) {
+            return a;
+        }
         let before = *self.arena.value.get(a as usize);
         let mut values = before;
         program::interp::to_half(&mut values);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::profile::Promises;
-use crate::tape::{Cell, Literal, Model, Tape};
+use crate::tape::{Cell, Fold, Literal, Model, Tape};
 use base::value::Batch;
 use program::Program;
 use program::interp::group::Ran;
@@ -218,6 +218,11 @@ impl Oracle {
     /// The same for devices that are not told of `precise`.
     pub(super) fn tape_without_precise<'p>(&'p self, model: Model<'p>) -> Machine<'p, Tape<'p>> {
         self.bounding(Tape::new(model).without_precise())
+    }
+
+    /// The same for devices whose compiler leaves a pair of operations out.
+    pub(super) fn tape_folding<'p>(&'p self, model: Model<'p>, fold: Fold) -> Machine<'p, Tape<'p>> {
+        self.bounding(Tape::new(model).folding(fold))
     }
 
     fn bounding<'p>(&'p self, tape: Tape<'p>) -> Machine<'p, Tape<'p>> {

@@ -8,6 +8,7 @@
 mod capture;
 mod dispatch;
 mod draw;
+mod function;
 mod geometry;
 mod glslang;
 mod gpu;
@@ -28,6 +29,7 @@ use base::text::printable;
 use base::value::Record;
 use program::{Attribute, BoundBuffer, Drawn, Form, Kernel, OutputLayout, Primitives, Program, Role, Written};
 
+use function::Function;
 use glslang::{TextStage, Translator};
 use gpu::Gpu;
 
@@ -102,6 +104,8 @@ pub struct Job {
     pub case: Arc<Record>,
     /// What one invocation writes.
     pub output: OutputLayout,
+    /// The words of its vertices as the module calls them.
+    pub captured: Arc<Record>,
 }
 
 /// The stages.
@@ -190,6 +194,7 @@ impl Front for Glslang {
                 let front = self.translator.translate(TextStage::Vertex, &text, &[])?.as_ref().into();
                 (Kinds::Geometry { primitives: *primitives, front }, module)
             }
+            (Form::Compute, Role::Function { name }) => return self.call(kernel, name),
             (Form::Vertex { .. }, _) => return unsupported("a program that is no vertex stage, as one"),
             (Form::Geometry, _) => return unsupported("a program that is no geometry stage, as one"),
             (Form::Dispatch { groups, buffers }, _) => {
@@ -203,7 +208,12 @@ impl Front for Glslang {
             }
         };
         let (invocation, case, output) = (kernel.invocation.clone(), kernel.case.clone(), kernel.output.clone());
-        Ok(Work::Native(Job { stage, module: module.into(), invocation, case, output }))
+        let captured = output.vertex.clone();
+        Ok(Work::Native(Job { stage, module: module.into(), invocation, case, output, captured }))
+    }
+
+    fn calls_functions(&self) -> bool {
+        true
     }
 
     fn dispatches(&self) -> bool {
@@ -214,6 +224,20 @@ impl Front for Glslang {
 impl Glslang {
     fn find(fault: fn(&[u32]) -> Vec<u32>) -> Result<Self, Unavailable> {
         Ok(Self { translator: find()?, fault })
+    }
+
+    /// A function that a stage calls which is put behind the text.
+    fn call(&self, kernel: &Kernel, name: &str) -> Result<Work, LaneError> {
+        let program = &*kernel.program;
+        if program.written != Written::Glsl {
+            return Err(LaneError::Unsupported("a program that is not written in GLSL".to_owned()));
+        }
+        let Function { text, defines, attributes, invocation, captured } = function::function(kernel, name)?;
+        let defines = [&program.defines[..], &defines].concat();
+        let words = self.translator.translate(TextStage::Vertex, &text, &defines)?;
+        let (stage, module) = (Kinds::Vertex { attributes, drawn: Vec::new() }, (self.fault)(&words).into());
+        let (case, output) = (kernel.case.clone(), kernel.output.clone());
+        Ok(Work::Native(Job { stage, module, invocation, case, output, captured }))
     }
 
     /// The program as glslang translates it.

@@ -86,7 +86,7 @@ impl VertexRunner {
         if described.len() != interface::located_inputs(&reflection) {
             return Err(LaneError::Unsupported("an input of the stage that is in no record".to_owned()));
         }
-        let outputs = interface::outputs(&reflection, &job.output.vertex)?;
+        let outputs = interface::outputs(&reflection, &job.captured)?;
         let (captured, filled): (Vec<_>, Vec<_>) = outputs.into_iter().unzip();
         let size: usize = filled.iter().map(Range::len).sum();
         if size == 0 {

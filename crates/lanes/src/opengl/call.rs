@@ -21,6 +21,8 @@ pub struct Call {
     /// Words of the record of an invocation.
     pub fed: Vec<u32>,
     pub outputs: Vec<Named>,
+    /// The same text where it stands behind the author's, whose version and extensions it has.
+    pub behind: String,
 }
 
 /// The call of a function of a text.
@@ -43,12 +45,14 @@ pub fn call(shader: &Shader, name: &str, inputs: &Record, outputs: &Record) -> R
         attributes: Vec::new(),
         fed: Vec::new(),
         outputs: Vec::new(),
+        behind: String::new(),
     };
+    let mut head = String::new();
     if let Some(span) = version.span {
-        let _ = writeln!(declared, "{}", shader.file().slice(span));
+        let _ = writeln!(head, "{}", shader.file().slice(span));
     }
     for extension in shader.extensions() {
-        let _ = writeln!(declared, "{}", shader.file().slice(extension.span));
+        let _ = writeln!(head, "{}", shader.file().slice(extension.span));
     }
     let whole = |shape: Shape| old && shape.scalar != Scalar::F32;
     let (mut prototype, mut arguments) = (Vec::new(), Vec::new());
@@ -59,7 +63,12 @@ pub fn call(shader: &Shader, name: &str, inputs: &Record, outputs: &Record) -> R
         let own = parameter.name.as_ref().map(|n| n.name.as_str()).unwrap_or_default();
         let _ = writeln!(body, "    {};", declaration(shape, &format!("sc_v{k}")));
         if matches!(parameter.direction, Direction::In | Direction::InOut) {
-            let at = inputs.index_of(own).filter(|&at| inputs.fields()[at].shape == shape && !whole(shape));
+            // A harness may call parameters by other names than the text; then they are in order.
+            let at = inputs.index_of(own).or_else(|| {
+                let before = function.params[..k].iter().filter(|p| p.direction != Direction::Out).count();
+                (before < inputs.fields().len()).then_some(before)
+            });
+            let at = at.filter(|&at| inputs.fields()[at].shape == shape && !whole(shape));
             call.feed(inputs.range(at.ok_or_else(refused)?).start, shape, k, incoming, (&mut declared, &mut body));
         }
         let direction = match parameter.direction {
@@ -79,10 +88,16 @@ pub fn call(shader: &Shader, name: &str, inputs: &Record, outputs: &Record) -> R
     let _ = writeln!(declared, "{} {name}({});", function.return_type, prototype.join(", "));
     let assigned = result.map_or_else(String::new, |shape| format!("{} = ", declaration(shape, "sc_result")));
     let _ = writeln!(body, "    {assigned}{name}({});", arguments.join(", "));
+    let given: Vec<usize> =
+        (0..function.params.len()).filter(|&k| function.params[k].direction != Direction::In).collect();
     for (k, field) in outputs.fields().iter().enumerate() {
+        let in_order = || given.get(k).copied().filter(|&k| function.params[k].ty.shape() == Some(field.shape));
         let from = match function.params.iter().position(|p| p.name.as_ref().is_some_and(|n| n.name == field.name)) {
             Some(k) => format!("sc_v{k}"),
             None if field.name == "return" && result == Some(field.shape) => "sc_result".to_owned(),
+            None if result.is_none() && outputs.fields().len() == given.len() && in_order().is_some() => {
+                format!("sc_v{}", in_order().unwrap_or_default())
+            }
             None => return Err(unsupported(format!("what `{name}` gives beside its parameters: `{}`", field.name))),
         };
         if whole(field.shape) {
@@ -103,7 +118,8 @@ pub fn call(shader: &Shader, name: &str, inputs: &Record, outputs: &Record) -> R
         let _ = writeln!(body, "    {to} = {value};");
         call.outputs.push(Named { name: to, shape });
     }
-    call.text.text = format!("{declared}void main() {{\n{body}    gl_Position = vec4(0.0);\n}}\n");
+    call.behind = format!("{declared}void main() {{\n{body}    gl_Position = vec4(0.0);\n}}\n");
+    call.text.text = format!("{head}{}", call.behind);
     Ok(call)
 }
 

@@ -5,7 +5,7 @@
 //! ([`worker`](super::worker)). Where the program that has them is not there, the usual driver runs in this one.
 
 mod ask;
-mod call;
+pub(crate) mod call;
 mod context;
 mod dispatch;
 mod draw;

@@ -129,6 +129,10 @@ impl Lane for Away {
         self.front.dispatches()
     }
 
+    fn calls_functions(&self) -> bool {
+        self.front.calls_functions()
+    }
+
     fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
         let mut writer = Writer::default();
         match self.front.work(kernel)? {

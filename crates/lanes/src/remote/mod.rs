@@ -39,6 +39,11 @@ pub trait Front {
     fn dispatches(&self) -> bool {
         false
     }
+
+    /// True for one that runs functions in a vertex stage.
+    fn calls_functions(&self) -> bool {
+        false
+    }
 }
 
 /// Runs work.
@@ -73,6 +78,10 @@ impl Lane for Here {
 
     fn dispatches(&self) -> bool {
         self.front.dispatches()
+    }
+
+    fn calls_functions(&self) -> bool {
+        self.front.calls_functions()
     }
 
     fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {

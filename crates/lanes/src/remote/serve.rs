@@ -11,7 +11,7 @@ use super::{Engine, Work};
 use crate::worker::{Frame, read_frame, write_frame};
 use crate::{Actual, LaneError, Marks, Runner, Unavailable, native, vulkan};
 use base::value::{Batch, Record};
-use program::contain;
+use program::contain_whole;
 
 /// Work that is ready.
 struct Ready {
@@ -115,7 +115,14 @@ fn prepare(engine: Option<&dyn Engine>, words: &[u32], capacity: usize) -> Resul
 
 /// A panic of the library in front of the driver is an error; the process is not used again after it.
 fn contained<T>(work: impl FnOnce() -> Result<T, LaneError>) -> Result<T, LaneError> {
-    contain(work).unwrap_or_else(|panic| Err(LaneError::Api(format!("a panic: {panic}"))))
+    contain_whole(work).unwrap_or_else(|panic| {
+        let message = &panic.message;
+        // It translates what the others are given.
+        Err(match ["naga", "naga-types"].iter().any(|library| panic.is_of(library)) {
+            true => LaneError::Translator(format!("naga panicked: {message}")),
+            false => LaneError::Api(format!("a panic: {message}")),
+        })
+    })
 }
 
 impl Ready {

@@ -84,9 +84,10 @@ impl Gpu {
         let scopes = [wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation]
             .map(|filter| self.device.push_error_scope(filter));
         let value = work();
-        // Scopes are a stack: the last one opened is popped first, and all of them are, whatever they say.
+        // Scopes are a stack: the last one opened is popped first, and all of them are, whatever they say. Where a call fails in
+        // the driver or for want of memory, what it should have made is invalid for the calls behind it: they say less.
         let errors: Vec<_> = scopes.into_iter().rev().filter_map(|scope| pollster::block_on(scope.pop())).collect();
-        match errors.first() {
+        match errors.last() {
             Some(error) => Err(LaneError::Api(error.to_string())),
             None => Ok(value),
         }

@@ -270,6 +270,7 @@ fn diagnosis(value: &mut Value, diagnosis: &Diagnosis) {
             Origin::BuiltIn { op, .. } => ("built-in", Some(op.name())),
             Origin::Rearrangement => ("rearrangement", None),
             Origin::PreciseLost { .. } => ("precise-lost", None),
+            Origin::RoundingLeftOut { .. } => ("rounding-left-out", None),
             Origin::Miscompilation => ("miscompilation", None),
         };
         value["origin"] = json!({"kind": kind, "operation": operation, "message": origin.to_string()});

@@ -59,6 +59,7 @@ fn fault(finding: &Finding) -> Option<String> {
         Fault::Everyone { .. } => "our own meaning or bound, perhaps".to_owned(),
         Fault::Mixed { .. } => "no single part".to_owned(),
         Fault::Position { executor, .. } => format!("memory or readback of {executor}"),
+        Fault::Neighbours { executor, .. } => format!("invocations of {executor} that disturb each other"),
         Fault::Unsteady { executor, front_end } => format!("chance in {executor} or {front_end}"),
         Fault::Shader => "the shader".to_owned(),
     })

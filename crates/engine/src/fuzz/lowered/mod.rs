@@ -181,6 +181,7 @@ impl<'a> Lowered<'a> {
                 also: Vec::new(),
                 diagnosis: None,
                 reproduce: Some(reproduce(&sample)),
+                own_translator: false,
             }
         };
         groups.into_iter().map(one).collect()

@@ -14,6 +14,8 @@ use property::{Sample, Sampler};
 
 /// Batches of others in which a sample is looked at.
 const BESIDE: u64 = 3;
+/// Batches in which the place is sought whose outputs a sample gets, where it gets those of another.
+const SOUGHT: u64 = 12;
 /// Wrong places that are named.
 const NAMED: usize = 4;
 
@@ -126,7 +128,8 @@ pub(super) fn probe(
         };
         let all: Vec<usize> = (0..count).filter(|&k| wrong[k]).collect();
         let (many, named) = (all.len(), all.into_iter().take(NAMED).collect());
-        let position = Position { invocation: failure.invocation, count, per_case, wrong: named, many };
+        let position =
+            Position { invocation: failure.invocation, count, per_case, wrong: named, many, disturbed: false };
         return Ok(Some(Tied { position, deviation: failure.deviation.clone(), wrong }));
     }
     // Some others may have what the sample has to give.
@@ -134,11 +137,31 @@ pub(super) fn probe(
         let mut placed = others(trial, request.seed ^ salt, sample, count, per_case);
         put(&mut placed, at, sample);
         if let Some(deviation) = beside(trial, (&same, &placed), at, first[at])? {
-            let position = Position { invocation: at, count, per_case, wrong: Vec::new(), many: 0 };
+            let disturbed = !is_swapped(trial, request, sample, place)?;
+            let position = Position { invocation: at, count, per_case, wrong: Vec::new(), many: 0, disturbed };
             return Ok(Some(Tied { position, deviation, wrong: Vec::new() }));
         }
     }
     Ok(None)
+}
+
+/// True where a sample that is wrong beside others gives what another place of the batch gives, the same one whatever stands
+/// there: memory is addressed wrongly. Else what it gives comes of the others' inputs.
+fn is_swapped(
+    trial: &mut Trial<'_>,
+    request: &Request,
+    sample: &Sample,
+    Place { at, count, per_case }: Place,
+) -> Result<bool, LaneError> {
+    let mut from: Vec<usize> = (0..count).filter(|&k| k != at).collect();
+    for salt in 0..SOUGHT {
+        let mut placed = others(trial, request.seed ^ salt, sample, count, per_case);
+        put(&mut placed, at, sample);
+        let actual = trial.run(&placed)?;
+        let found = repeat::print(&actual, at);
+        from.retain(|&k| repeat::print(&actual, k) == found);
+    }
+    Ok(!from.is_empty())
 }
 
 /// How a sample deviates in its place beside others, each time; it is right beside itself, where it gives `right`.

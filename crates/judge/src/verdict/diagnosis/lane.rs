@@ -1,10 +1,10 @@
 //! Deviations of a lane: what its device computes on the way, operation by operation.
 
-use super::shader::written;
+use super::shader::{self, written};
 use super::{Diagnosis, Divergence, Origin, Place};
 use crate::profile::{Op, Profile};
 use crate::replay::{ReplayError, replay};
-use crate::tape::{Model, Tape};
+use crate::tape::{Fold, Model, Tape};
 use crate::verdict::judge::{Deviation, agrees};
 use crate::verdict::oracle::JudgeContext;
 use base::value::{Batch, Scalar};
@@ -48,8 +48,9 @@ pub fn lane(context: &JudgeContext<'_>, program: &Program, suspected: &Suspected
         diagnosis.divergence = divergence(&probed, &trace, profile, suspected);
         built_in = culprit(&probed, &trace, profile, suspected)?;
     }
+    let left_out = if built_in.is_none() { left_out(context, program, profile, suspected) } else { None };
     let explained = |loses_precise: bool| regrouped(context, program, profile, suspected, loses_precise);
-    diagnosis.origin = Some(match built_in {
+    diagnosis.origin = Some(match built_in.or(left_out) {
         Some(origin) => origin,
         // Where the profile allows another order, that alone explains nothing; and `precise` only what it alone forbids.
         None if explained(false) && profile.rearrangement => Origin::Miscompilation,
@@ -168,6 +169,34 @@ fn beyond(
         // Where nothing is promised, nothing parts.
         let free = !bound.is_finite() || !meant.values[k].is_finite() || tape.fork(0).is_some();
         (!free && !agrees(actual, meant.values[k], bound)).then_some((k, bound, column))
+    })
+}
+
+/// A pair of operations whose rounding a compiler leaves out, where that explains the output and what is promised does not.
+fn left_out(
+    context: &JudgeContext<'_>,
+    program: &Program,
+    profile: &Profile,
+    suspected: &Suspected<'_>,
+) -> Option<Origin> {
+    let value = suspected.deviation.value()?;
+    let model = Model::Device { profile, stage: suspected.stage, rearranged: profile.rearrangement };
+    let layout = program.output_layout();
+    let word = (0..layout.vertex.words()).find(|&word| layout.vertex.word_name(word) == value.component)?;
+    Fold::ALL.into_iter().find_map(|fold| {
+        let mut machine = context.oracle.tape_folding(model, fold);
+        machine.run_some(suspected.batch, &[0]);
+        let sites = machine.as_domain().folded()?;
+        let explains = match machine.output(value.vertex.unwrap_or(0), word) {
+            OutputColumn::Real(&column) => {
+                let meaning = machine.as_domain().values(column)[0];
+                let bounds = machine.domain().bounds(column, &mut |_| false);
+                agrees(f64::from(f32::from_bits(value.actual)), meaning, bounds.bound[0])
+            }
+            OutputColumn::Word(words) => words[0] == value.actual,
+        };
+        let places = sites.map(|site| shader::place(context, program, site));
+        explains.then_some(Origin::RoundingLeftOut { there: places[0].clone(), back: places[1].clone() })
     })
 }
 

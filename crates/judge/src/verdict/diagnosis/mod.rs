@@ -115,6 +115,14 @@ pub enum Origin {
         /// What translates the text for the executor.
         front_end: String,
     },
+    /// Every operation is inside its promise, and the outputs are what the shader gives without a rounding: a number becomes
+    /// one of fewer digits and a number again, and the compiler leaves both out.
+    RoundingLeftOut {
+        /// Where it loses digits.
+        there: Option<Place>,
+        /// Where it becomes a number again; the same place where one operation does both.
+        back: Option<Place>,
+    },
     /// Every operation is inside its promise, and no order of them explains the outputs.
     Miscompilation,
 }
@@ -205,6 +213,15 @@ impl fmt::Display for Origin {
                     write!(f, "; {front_end} has no word for it, and tells the driver nothing")?;
                 }
                 Ok(())
+            }
+            Self::RoundingLeftOut { there, back } => {
+                f.write_str("a rounding is left out: every operation alone is right, and the outputs are those ")?;
+                match (there, back) {
+                    (Some(there), Some(back)) if there == back => write!(f, "without {there}"),
+                    (Some(there), Some(back)) => write!(f, "without the pair of {there} and {back}"),
+                    (Some(one), None) | (None, Some(one)) => write!(f, "without the pair at {one}"),
+                    (None, None) => f.write_str("without a conversion there and back"),
+                }
             }
             Self::Miscompilation => f.write_str(
                 "miscompilation: every operation alone is right, and no order of sums and products explains the outputs",

@@ -18,11 +18,22 @@ pub struct Position {
     pub wrong: Vec<usize>,
     /// How many deviate.
     pub many: usize,
+    /// True where invocations disturb each other: beside its like the sample is right, beside others it is wrong each time,
+    /// and what it gives is not that of another place.
+    #[serde(default)]
+    pub disturbed: bool,
 }
 
 impl fmt::Display for Position {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { invocation, count, wrong, many, .. } = self;
+        let Self { invocation, count, wrong, many, disturbed, .. } = self;
+        if *disturbed {
+            return write!(
+                f,
+                "invocation {invocation} of {count} deviates each time beside others, and none does where all have the same \
+                 inputs"
+            );
+        }
         if wrong.is_empty() {
             return write!(
                 f,
@@ -43,7 +54,8 @@ mod tests {
     #[test]
     fn the_places_are_counted_and_the_first_are_named() {
         let position = |wrong: &[usize], many| {
-            Position { invocation: 63, count: 512, per_case: 1, wrong: wrong.to_vec(), many }.to_string()
+            Position { invocation: 63, count: 512, per_case: 1, wrong: wrong.to_vec(), many, disturbed: false }
+                .to_string()
         };
         assert_eq!(position(&[63], 1), "of 512 invocations with the same inputs, 1 deviates: 63");
         assert_eq!(position(&[63, 127], 8), "of 512 invocations with the same inputs, 8 deviate: 63, 127, …");

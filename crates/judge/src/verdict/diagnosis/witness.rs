@@ -161,6 +161,17 @@ pub enum Fault {
         /// The place.
         position: Position,
     },
+    /// Invocations of the executor disturb each other: what a sample gives depends on those that run beside it.
+    Neighbours {
+        /// What executes the shader, such as a driver.
+        executor: String,
+        /// Front ends through which it deviates.
+        through: Vec<String>,
+        /// Executors that are right in the same place.
+        right: Vec<String>,
+        /// The place.
+        position: Position,
+    },
     /// The lane that deviates did not when it was asked again.
     Unsteady {
         /// What executes the shader, such as a driver.
@@ -214,11 +225,13 @@ impl CrossCheck {
                     let names: BTreeSet<&String> = witnesses.iter().filter(here).map(part).collect();
                     names.into_iter().cloned().collect()
                 };
-                Fault::Position {
-                    executor: first.executor.clone(),
-                    through: of(true, Stand::Wrong, |w| &w.front_end),
-                    right: of(false, Stand::Right, |w| &w.executor),
-                    position: position.clone(),
+                let executor = first.executor.clone();
+                let through = of(true, Stand::Wrong, |w| &w.front_end);
+                let right = of(false, Stand::Right, |w| &w.executor);
+                let position = position.clone();
+                match position.disturbed {
+                    true => Fault::Neighbours { executor, through, right, position },
+                    false => Fault::Position { executor, through, right, position },
                 }
             }
         };
@@ -250,6 +263,7 @@ impl Fault {
             Self::Pair { .. } => "pair",
             Self::Shader => "shader",
             Self::Position { .. } => "position",
+            Self::Neighbours { .. } => "neighbours",
             Self::Unsteady { .. } => "unsteady",
             Self::Everyone { .. } => "meaning",
             Self::Mixed { .. } => "mixed",
@@ -386,6 +400,18 @@ impl fmt::Display for Fault {
                     f,
                     "the memory or the readback of the executor `{executor}`, behind {}: it depends on the position and \
                      not on the inputs: {position}",
+                    listed(through)
+                )?;
+                match &right[..] {
+                    [] => Ok(()),
+                    right => write!(f, "; {} {} right there", listed(right), are(right)),
+                }
+            }
+            Self::Neighbours { executor, through, right, position } => {
+                write!(
+                    f,
+                    "the executor `{executor}`, behind {}: its invocations disturb each other, since what one gives depends on \
+                     the inputs of those beside it: {position}",
                     listed(through)
                 )?;
                 match &right[..] {

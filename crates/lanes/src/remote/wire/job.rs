@@ -32,7 +32,7 @@ wire! { struct Primitives { input, output, max_vertices } }
 // The module comes first: others have handles of it.
 wire! { struct vulkan::Job { module, form, invocation, case, output, textures } }
 wire! { enum native::Kinds { Vertex { attributes, drawn }, Geometry { primitives, front }, Dispatch { groups, size, buffers } } }
-wire! { struct native::Job { stage, module, invocation, case, output } }
+wire! { struct native::Job { stage, module, invocation, case, output, captured } }
 
 impl Wire for Arc<Record> {
     fn put(&self, to: &mut Writer) {
