@@ -19,6 +19,7 @@ use clap::{Args, ValueEnum};
 
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
+use crate::cli::waiting::Waiting;
 use base::text::{Shown, SourceFile};
 use disk::fresh;
 use engine::session::Session;
@@ -199,6 +200,7 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         shard.is_none() || args.is_text() || args.is_json(),
         "a shard has no whole report; with --shard, --format is text or json"
     );
+    let _waiting = Waiting::begin();
     let mut selected = select::select(&args.suites, args.shipped)?;
     if args.strict_literals {
         selected.iter_mut().for_each(|one| one.suite.literals = Literals::Exact);

@@ -16,6 +16,7 @@ use super::includes::IncludedText;
 use super::inputs::InputArgs;
 use super::status::ExitStatus;
 use super::translate;
+use super::waiting::Waiting;
 use base::diagnostic::Lang;
 use base::text::Shown as _;
 use disk::fresh;
@@ -85,6 +86,7 @@ pub struct CompareArgs {
 /// # Errors
 /// When a text cannot be read, a name is unknown, a domain or profile cannot be read, no lane is available, or output fails.
 pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
+    let _waiting = Waiting::begin();
     let stage = args.input.stage();
     let second_defines = [&args.input.define[..], &args.define_second[..]].concat();
     let given = |defines| Given { defines, ..args.input.reading(Some(&args.compose), None) };

@@ -19,6 +19,7 @@ use super::includes::{self, IncludedText};
 use super::inputs::InputArgs;
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
+use crate::cli::waiting::Waiting;
 use base::diagnostic::{Diagnostic, Lang, Severity};
 use base::{did_you_mean, nearest};
 use engine::fuzz::{self, BadHint, Domain, FunctionReport, Request, Stated, Subject};
@@ -118,6 +119,7 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
         shard.is_none() || (args.case.is_none() && !args.write_suite),
         "--shard does a part of the functions; --case and --write-suite are for a run without it"
     );
+    let _waiting = Waiting::begin();
     let stated = args.input.domains()?;
     let stage = args.input.stage();
     let reading = args.input.reading(Some(&args.compose), args.function.first().map(String::as_str));

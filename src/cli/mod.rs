@@ -53,6 +53,7 @@ pub mod translate;
 #[cfg(feature = "run")]
 pub mod tune;
 pub mod version;
+mod waiting;
 #[cfg(feature = "run")]
 pub mod worker;
 

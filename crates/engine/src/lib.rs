@@ -2,6 +2,7 @@
 //! shaders, measurements of devices, and a device that errs as far as it may.
 
 pub mod accuracy;
+pub mod activity;
 pub mod adversary;
 pub mod calibrate;
 pub mod catalogue;

@@ -9,7 +9,8 @@ use crate::suite::Suite;
 use crate::suite::run::{
     Entry, Outcome, Part, Peer, Prepared, Request, Sampled, Share, Way, cross_check, max_samples, run_part, stage_of,
 };
-use lanes::{Lane, LaneError, Stage, interrupt};
+use judge::profile::Promises;
+use lanes::{Lane, LaneError, Stage, embedded, interrupt};
 use program::InputSource;
 
 /// What is run of every suite.
@@ -146,44 +147,72 @@ impl<'a> Session<'a> {
 
     fn suite<O: Observer>(&self, suite: usize, prepared: &Prepared, observer: &mut O) -> Result<(), O::Error> {
         let mut parts: Vec<Part> = Vec::new();
-        'lanes: for &peer in &self.peers {
-            let request = observer.request(suite, prepared, peer)?;
-            for way in self.ways(&prepared.suite, peer.lane) {
-                if interrupt::asked() {
-                    break 'lanes;
-                }
-                let most = way.1.map_or(u64::MAX, |source| max_samples(prepared, source));
-                let samples = request.samples_of(&prepared.suite).min(most) / self.shard.map_or(1, Shard::count);
-                let job = Job { suite, prepared, peer, way, request: &request, samples };
-                let resume = match observer.begin(&job) {
-                    Earlier::Nothing => None,
-                    Earlier::Begun(sampled) => Some(*sampled),
-                    Earlier::Done(part) => {
-                        parts.push(*part);
-                        continue;
-                    }
-                };
-                match self.job(&job, resume, observer)? {
-                    // A device that is given up because the run ends has not failed.
-                    Err(_) | Ok(None) if interrupt::asked() => break 'lanes,
-                    Err(error) => observer.end(&job, Err(error))?,
-                    Ok(part) => {
-                        let Some(mut part) = part else { break 'lanes };
-                        // Translations have no lane: the first part of a suite bears what is found out about them.
-                        let whole = self.shard.is_some() || !interrupt::asked();
-                        if parts.is_empty() && self.translations && whole && self.shard.is_none_or(Shard::is_first) {
-                            part.check_translations(prepared, &request);
-                        }
-                        observer.end(&job, Ok(&part))?;
-                        parts.push(part);
-                    }
-                }
+        let mut untranslated = false;
+        for &peer in &self.peers {
+            if self.on(peer, (suite, prepared), observer, &mut parts, &mut untranslated)?.is_break() {
+                break;
             }
+        }
+        // Where a translator fails in front of every device, what the shader means is held against what is expected all the
+        // same: the interpreter needs no translator.
+        let judged = |part: &Part| part.judged() > 0;
+        let alone = untranslated && !parts.iter().any(judged) && self.shard.is_none() && !interrupt::asked();
+        if let Some(lane) = alone.then(embedded::open).and_then(Result::ok) {
+            let promises = Promises::of_lane(lane.description());
+            let peer = Peer { lane: &*lane, promises: &promises };
+            let _ = self.on(peer, (suite, prepared), observer, &mut parts, &mut untranslated)?;
         }
         if !interrupt::asked() {
             cross_check(prepared, &self.peers, &mut parts);
         }
         observer.suite(suite, prepared, parts)
+    }
+
+    /// Runs a suite on one lane; breaks off when it is interrupted.
+    fn on<O: Observer>(
+        &self,
+        peer: Peer<'_>,
+        (suite, prepared): (usize, &Prepared),
+        observer: &mut O,
+        parts: &mut Vec<Part>,
+        untranslated: &mut bool,
+    ) -> Result<ControlFlow<()>, O::Error> {
+        let request = observer.request(suite, prepared, peer)?;
+        for way in self.ways(&prepared.suite, peer.lane) {
+            if interrupt::asked() {
+                return Ok(ControlFlow::Break(()));
+            }
+            let most = way.1.map_or(u64::MAX, |source| max_samples(prepared, source));
+            let samples = request.samples_of(&prepared.suite).min(most) / self.shard.map_or(1, Shard::count);
+            let job = Job { suite, prepared, peer, way, request: &request, samples };
+            let resume = match observer.begin(&job) {
+                Earlier::Nothing => None,
+                Earlier::Begun(sampled) => Some(*sampled),
+                Earlier::Done(part) => {
+                    parts.push(*part);
+                    continue;
+                }
+            };
+            match self.job(&job, resume, observer)? {
+                // A device that is given up because the run ends has not failed.
+                Err(_) | Ok(None) if interrupt::asked() => return Ok(ControlFlow::Break(())),
+                Err(error) => {
+                    *untranslated |= matches!(error, LaneError::Translator(_));
+                    observer.end(&job, Err(error))?;
+                }
+                Ok(part) => {
+                    let Some(mut part) = part else { return Ok(ControlFlow::Break(())) };
+                    // Translations have no lane: the first part of a suite bears what is found out about them.
+                    let whole = self.shard.is_some() || !interrupt::asked();
+                    if parts.is_empty() && self.translations && whole && self.shard.is_none_or(Shard::is_first) {
+                        part.check_translations(prepared, &request);
+                    }
+                    observer.end(&job, Ok(&part))?;
+                    parts.push(part);
+                }
+            }
+        }
+        Ok(ControlFlow::Continue(()))
     }
 
     /// Runs a job; gives nothing when it is interrupted.

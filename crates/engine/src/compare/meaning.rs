@@ -6,6 +6,7 @@ use std::convert::Infallible;
 use super::accuracy::beyond;
 use super::{Compared, Pair};
 use crate::InputValue;
+use crate::activity;
 use crate::fuzz::{Domain, Shrinking, Within};
 use base::value::Batch;
 use judge::profile::{Profile, Promises};
@@ -181,7 +182,7 @@ impl Meanings {
             true => Within::Realistic(&pair.sides[0].realistic),
             false => Within::Laws,
         };
-        let shrunk = match shrink::shrink(first, &Shrinking { domain, within }, &mut differs) {
+        let shrunk = match activity::shrink(first, &Shrinking { domain, within }, &mut differs) {
             Ok(shrunk) => shrunk,
             Err(never) => match never {},
         };

@@ -14,6 +14,7 @@ mod on_lanes;
 mod pairing;
 mod resolution;
 
+use crate::activity;
 use crate::fuzz::{Domain, Ready, Subject, batch, given, stream_key};
 use base::value::Batch;
 use judge::profile::Profile;
@@ -147,6 +148,7 @@ pub fn run(
             return Ok(compared);
         }
     };
+    let _doing = activity::doing(format!("compares `{}`", subjects[0].label));
     compared.alone = alone(&pair);
     let ready = pair.sides[0];
     let case = request.case.as_ref().map(|text| given(ready, text)).transpose()?;

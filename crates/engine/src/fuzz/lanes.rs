@@ -5,6 +5,7 @@ use super::finding::{Finding, FuzzFindingKind, LaneReport, Part, Severity};
 use super::stage;
 use super::subject::Ready;
 use crate::InputValue;
+use crate::activity::{self, shrink};
 use base::value::{Batch, Scalar};
 use judge::profile::Promises;
 use judge::verdict::diagnosis::{self, Diagnosis, Suspected};
@@ -14,7 +15,6 @@ use judge::verdict::{
 use lanes::{Actual, Lane, LaneError, LaneName, Runner, Stage, interrupt};
 use program::Program;
 use property::Sample;
-use property::shrink::shrink;
 
 /// Failing samples that are shrunk.
 const SHRUNK: usize = 4;
@@ -308,6 +308,7 @@ impl<'a> OnLane<'a> {
             }
             Ok(all)
         };
+        let _doing = activity::doing(format!("looks into deviations on {}", self.lane.description().name));
         let shrunk = shrink(first, &Shrinking { domain, within: Within::Laws }, &mut deviates)?;
         let samples: Vec<Sample> = shrunk.into_iter().map(|s| s.sample).collect();
         let mut findings: Vec<Finding> = Vec::new();

@@ -15,7 +15,7 @@ use super::shrinking::smallest;
 use super::stage;
 use super::subject::{Ready, Subject};
 use super::words::{cause, message};
-use crate::{InputValue, dispatch};
+use crate::{InputValue, activity, dispatch};
 use base::value::{Batch, Record};
 use judge::profile::Promises;
 use judge::verdict::{Fenced, Oracle, Reference, Rounds, edges};
@@ -151,6 +151,7 @@ pub fn run(
             return Ok(report);
         }
     };
+    let _doing = activity::doing(format!("runs `{}`", subject.label));
     report.inputs = described(ready, domain);
     report.textures = ready.program.textures.iter().map(ToString::to_string).collect();
     if report.dispatches == 0 {

@@ -6,9 +6,9 @@ use super::domain::{Domain, Shrinking, Within};
 use super::name::{Key, Named, name};
 use super::scan::{Look, scan};
 use super::subject::Ready;
+use crate::activity::shrink;
 use lanes::interrupt;
 use property::Sample;
-use property::shrink::shrink;
 
 /// Looks at samples and names their trouble.
 pub fn names(ready: &Ready, sizes: &[f64], samples: &[Sample]) -> Vec<Option<Named>> {

@@ -134,7 +134,8 @@ impl DispatchRunner {
         let made = unsafe { device.create_compute_pipelines(vk::PipelineCache::null(), &create, None) };
         // SAFETY: a pipeline does without its module once it is made.
         unsafe { device.destroy_shader_module(module, None) };
-        self.pipeline = made.map_err(|(_, error)| api(error))?.first().copied().unwrap_or_default();
+        let failed = |(_, error)| LaneError::Api(format!("the creation of the compute pipeline: {error}"));
+        self.pipeline = made.map_err(failed)?.first().copied().unwrap_or_default();
         Ok(())
     }
 

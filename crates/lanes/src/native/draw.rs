@@ -247,7 +247,8 @@ impl Draws {
             // SAFETY: a pipeline does without its modules once it is made.
             unsafe { device.destroy_shader_module(module, None) };
         }
-        let handle = made.map_err(api)?;
+        let failed = |error| LaneError::Api(format!("the creation of the graphics pipeline: {error}"));
+        let handle = made.map_err(failed)?;
         let create = vk::QueryPoolCreateInfo::default()
             .query_type(vk::QueryType::TRANSFORM_FEEDBACK_STREAM_EXT)
             .query_count(pass.counted.max(1) as u32);

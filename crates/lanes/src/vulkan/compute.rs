@@ -62,13 +62,16 @@ impl ComputeRunner {
                 bind_group_layouts: &groups,
                 immediate_size: 0,
             });
-            let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: None,
-                layout: Some(&layout),
-                module: &gpu.shader(job),
-                entry_point: Some(ENTRY_POINT),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
+            let module = gpu.shader(job);
+            let pipeline = gpu.at("the creation of the compute pipeline", || {
+                gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                    label: None,
+                    layout: Some(&layout),
+                    module: &module,
+                    entry_point: Some(ENTRY_POINT),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    cache: None,
+                })
             });
             let input = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
             let size = |words: usize| 4 * (words * capacity) as u64;

@@ -73,13 +73,16 @@ impl DispatchRunner {
                 immediate_size: 0,
             });
             let point = job.module.entry_points.first().map(|point| point.name.as_str());
-            let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: None,
-                layout: Some(&layout),
-                module: &gpu.shader(job),
-                entry_point: point,
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
+            let module = gpu.shader(job);
+            let pipeline = gpu.at("the creation of the compute pipeline", || {
+                gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                    label: None,
+                    layout: Some(&layout),
+                    module: &module,
+                    entry_point: point,
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    cache: None,
+                })
             });
             let buffers: Vec<Slices> = all
                 .iter()

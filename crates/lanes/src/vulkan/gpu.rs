@@ -1,8 +1,8 @@
 //! Device, buffers and error scopes.
 
 use std::borrow::Cow;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::{Actual, LaneError, Marks, PATIENCE, Stage};
 use program::OutputLayout;
@@ -15,8 +15,19 @@ pub(super) struct Gpu {
     info: wgpu::AdapterInfo,
     /// True once it works on something that does not end.
     hung: Arc<AtomicBool>,
+    /// How the device was lost, and at what.
+    lost: Arc<Mutex<Lost>>,
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
+}
+
+/// What a device does, and how it was lost.
+#[derive(Default)]
+struct Lost {
+    /// The call that is under way, in words.
+    doing: Option<&'static str>,
+    /// What was lost at which call.
+    how: Option<String>,
 }
 
 /// The devices that the Vulkan loader shows, in the order of [`super::order`].
@@ -46,7 +57,17 @@ impl Gpu {
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&description))
             .map_err(|e| format!("the Vulkan device cannot be opened: {e}"))?;
-        Ok(Self { info: adapter.get_info(), hung: Arc::default(), device, queue })
+        let lost: Arc<Mutex<Lost>> = Arc::default();
+        let noted = lost.clone();
+        device.set_device_lost_callback(move |reason, message| {
+            // A device that is dropped is no loss.
+            if reason == wgpu::DeviceLostReason::Unknown {
+                let mut lost = noted.lock().unwrap_or_else(PoisonError::into_inner);
+                let at = lost.doing.map_or_else(String::new, |doing| format!(" at {doing}"));
+                lost.how.get_or_insert_with(|| format!("device lost{at}: {message}"));
+            }
+        });
+        Ok(Self { info: adapter.get_info(), hung: Arc::default(), lost, device, queue })
     }
 
     /// Device, driver and version in a line.
@@ -76,6 +97,21 @@ impl Gpu {
         LaneError::Api(format!("the device did not finish within {} s", PATIENCE.as_secs()))
     }
 
+    /// Runs a call of the driver; where the device is lost at it, that is said in these words.
+    pub fn at<T>(&self, call: &'static str, work: impl FnOnce() -> T) -> T {
+        let doing = |doing| self.lost.lock().unwrap_or_else(PoisonError::into_inner).doing = doing;
+        doing(Some(call));
+        let value = work();
+        doing(None);
+        value
+    }
+
+    /// How the device was lost, if it was: what fails behind that fails because of it.
+    fn loss(&self) -> Option<LaneError> {
+        let lost = self.lost.lock().unwrap_or_else(PoisonError::into_inner);
+        lost.how.clone().map(LaneError::Api)
+    }
+
     /// Runs `work` and gives the API error that it caused, if any.
     pub fn checked<T>(&self, work: impl FnOnce() -> T) -> Result<T, LaneError> {
         if self.hung.load(Ordering::Relaxed) {
@@ -87,9 +123,10 @@ impl Gpu {
         // Scopes are a stack: the last one opened is popped first, and all of them are, whatever they say. Where a call fails in
         // the driver or for want of memory, what it should have made is invalid for the calls behind it: they say less.
         let errors: Vec<_> = scopes.into_iter().rev().filter_map(|scope| pollster::block_on(scope.pop())).collect();
-        match errors.last() {
-            Some(error) => Err(LaneError::Api(error.to_string())),
-            None => Ok(value),
+        match (self.loss(), errors.last()) {
+            (Some(loss), _) => Err(loss),
+            (None, Some(error)) => Err(LaneError::Api(error.to_string())),
+            (None, None) => Ok(value),
         }
     }
 
@@ -169,7 +206,7 @@ impl Outputs {
     ) -> Result<Actual, LaneError> {
         let bytes = self.bytes(count);
         encoder.copy_buffer_to_buffer(&self.storage, 0, &self.readback, 0, Some(bytes));
-        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.at("the submission of the work", || self.gpu.queue.submit([encoder.finish()]));
         let slice = self.readback.slice(..bytes);
         let (send, receive) = std::sync::mpsc::channel();
         slice.map_async(wgpu::MapMode::Read, move |result| {

@@ -19,13 +19,13 @@ use super::name::{decimal, place};
 use super::scan::{Look, ROUNDS};
 use super::subject::Ready;
 use crate::InputValue;
+use crate::activity::shrink;
 use base::value::Batch;
 use beside::LARGEST;
 pub(crate) use beside::{Beside, Event, Harm, Narrowing};
 use lanes::interrupt;
 use program::interp::{Binary32, Executable, Machine, OutputColumn, SLOTS};
 use property::Sample;
-use property::shrink::shrink;
 use syntax::Stage;
 
 /// Part of an output's size by which it may differ: what is seen of a colour, and more than 11 bits give rise to.

@@ -6,13 +6,13 @@ use super::part::{Failing, Shown, Terms};
 use super::position::{self, Place, Tied};
 use super::trial::Trial;
 use super::{Part, Prepared, Report, Request, Way, repeat};
-use crate::InputValue;
 use crate::suite::Suite;
+use crate::{InputValue, activity};
 use judge::verdict::diagnosis::{self, Diagnosis, Suspected};
 use judge::verdict::{Blame, Deviation, Reason, Verdict, What, judge_each};
 use lanes::{Lane, LaneError, Stage as LaneStage};
 use program::{InputSource, Port, Program};
-use property::shrink::{self, Shrunk};
+use property::shrink::Shrunk;
 use property::{Sample, regressions};
 use serde::{Deserialize, Serialize};
 
@@ -263,6 +263,10 @@ pub(super) fn deviations(
             shown.push(Shown { number, alike: Some(FLAKY.to_owned()), words, finding, sample: None });
         }
     }
+    if tied.is_some_and(|tied| tied.position.disturbed) {
+        // What depends on others each time differs from place to place, and is no chance.
+        shown.retain(|shown| shown.alike.as_deref() != Some(FLAKY));
+    }
     if steady.is_empty() {
         return Ok(shown);
     }
@@ -271,7 +275,7 @@ pub(super) fn deviations(
     let flaky = !shown.is_empty();
     let counts = |d: &Deviation| !flaky || d.blame == Blame::Shader;
     let mut oracle = |samples: &[Sample]| trial.deviates(samples, &counts);
-    let shrunk = if request.replay_only { as_given(first) } else { shrink::shrink(first, &*plan, &mut oracle)? };
+    let shrunk = if request.replay_only { as_given(first) } else { activity::shrink(first, &*plan, &mut oracle)? };
     let samples: Vec<Sample> = shrunk.iter().map(|s| s.sample.clone()).collect();
     let batch = Sample::batch(&samples);
     let actual = trial.run(&batch)?;

@@ -26,6 +26,7 @@ mod witness;
 
 use std::ops::ControlFlow;
 
+use crate::activity;
 use crate::shard::Shard;
 use crate::suite::Suite;
 use base::text::printable;
@@ -239,6 +240,8 @@ pub fn run_part(
     share: Share<'_>,
     progress: &mut dyn FnMut(u64),
 ) -> Result<Option<Part>, LaneError> {
+    let on = lane.description().name;
+    let _doing = activity::doing(format!("runs the suite `{}` on {on}/{}", prepared.suite.name, way.0));
     match way.1 {
         Some(source) => sources::part(prepared, lane, source, request, share, progress),
         None => run_default(prepared, lane, way, request, share, progress),
@@ -327,6 +330,7 @@ fn on_kernel(
         repeat::check(&mut trial, request, &mut part)?;
     }
     let rounded = if once { rounded::look(&trial, request, &part)? } else { Vec::new() };
+    let _doing = activity::doing("looks into what it found".to_owned());
     let shown = [
         finding::deviations(&mut trial, lane, &counted.failing, request, &part)?,
         undefined::findings((prepared, trial.fenced()), &counted.undefined, request, &part),

@@ -221,6 +221,11 @@ impl Counted {
 }
 
 impl Part {
+    /// Samples that agree or deviate.
+    pub fn judged(&self) -> u64 {
+        self.counted.verdicts.agreed + self.counted.verdicts.deviated
+    }
+
     /// A part that has found nothing yet.
     pub(super) fn new(prepared: &Prepared, lane: LaneName, (stage, source): Way, unsupported: u64) -> Self {
         Self {

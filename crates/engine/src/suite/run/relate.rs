@@ -5,11 +5,12 @@ use super::finding::{self, Finding, FindingKind};
 use super::position::{self, Place, Tied};
 use super::trial::{Among, Trial};
 use super::{Part, Prepared, Request};
+use crate::activity;
 use base::value::Batch;
 use judge::verdict::diagnosis::{CrossCheck, Diagnosis, Stand};
 use judge::verdict::{JudgeContext, dependences, meaning, observe};
 use lanes::LaneError;
-use property::{Claim, Observed, Own, Relation, Sample, Sampler, shrink};
+use property::{Claim, Observed, Own, Relation, Sample, Sampler};
 
 /// Samples for which each relation is checked. Each takes a few runs and an evaluation of the
 /// formula for each input, so there are fewer of them than of plain samples.
@@ -350,7 +351,7 @@ fn fail(
         let outcomes = outcomes(trial, relation, samples, None)?;
         Ok(outcomes.iter().map(|o| matches!(o, Outcome::Fails(_))).collect())
     };
-    let shrunk = if as_given { finding::as_given(first) } else { shrink::shrink(first, &*plan, &mut oracle)? };
+    let shrunk = if as_given { finding::as_given(first) } else { activity::shrink(first, &*plan, &mut oracle)? };
     let Some(simplest) = shrunk.into_iter().next() else { return Ok(()) };
     let one = std::slice::from_ref(&simplest.sample);
     let mut outcome = outcomes(trial, relation, one, Some(AMONG[0]))?.into_iter().next();

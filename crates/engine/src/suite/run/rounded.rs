@@ -3,10 +3,11 @@
 use super::finding::{self, Finding, FindingKind};
 use super::trial::Trial;
 use super::{Part, Request, relate};
+use crate::activity;
 use judge::verdict::diagnosis::{Diagnosis, Place, ShortLiteral};
 use judge::verdict::{Effect, Rounded, effects};
 use lanes::LaneError;
-use property::{Sample, shrink};
+use property::Sample;
 
 /// Samples on which the effect of a literal is looked for.
 const SAMPLES: u64 = 2048;
@@ -57,7 +58,7 @@ fn one(
     let shrunk = if request.replay_only {
         finding::as_given(first)
     } else {
-        shrink::shrink(first, &*prepared.plan.clone(), &mut oracle)?
+        activity::shrink(first, &*prepared.plan.clone(), &mut oracle)?
     };
     let Some(simplest) = shrunk.into_iter().next() else { return Ok(None) };
     let file = &prepared.program.file;

@@ -2,6 +2,7 @@
 
 use super::finding::{self, Finding, FindingKind};
 use super::{Part, Prepared, Request};
+use crate::activity;
 use base::value::Batch;
 use judge::verdict::{CompareError, Comparison, Translations, Unread};
 use program::Language;
@@ -128,7 +129,7 @@ fn fail(
     let shrunk = if request.replay_only {
         finding::as_given(failing)
     } else {
-        shrink::shrink(failing, &*prepared.plan, &mut oracle)?
+        activity::shrink(failing, &*prepared.plan, &mut oracle)?
     };
     let size = |sample: &Sample| shrink::complexity(sample, &Domain::simplest(&*prepared.plan, sample));
     let Some(simplest) = shrunk.into_iter().min_by_key(|shrunk| size(&shrunk.sample)) else { return Ok(()) };

@@ -5,11 +5,12 @@ use std::convert::Infallible;
 use super::finding::{self, Finding, FindingKind};
 use super::part::{Failing, Shown};
 use super::{Part, Prepared, Request};
+use crate::activity;
 use base::value::Scalar;
 use judge::verdict::diagnosis::Place;
 use judge::verdict::{Fenced, dependences};
 use program::interp::{Dependence, author_span};
-use property::shrink::{self, Shrunk};
+use property::shrink::Shrunk;
 use property::{Sample, pattern};
 
 /// Operations that are told of one suite.
@@ -79,7 +80,7 @@ fn smallest(prepared: &Prepared, sample: Sample, found: &Dependence) -> Shrunk {
     let mut oracle = |samples: &[Sample]| -> Result<Vec<bool>, Infallible> {
         Ok(dependences(&prepared.oracle, &Sample::batch(samples)).iter().map(same).collect())
     };
-    match shrink::shrink(vec![sample.clone()], &*prepared.plan, &mut oracle) {
+    match activity::shrink(vec![sample.clone()], &*prepared.plan, &mut oracle) {
         Ok(shrunk) => shrunk.into_iter().next().unwrap_or_else(|| finding::unshrunk(sample)),
         Err(never) => match never {},
     }

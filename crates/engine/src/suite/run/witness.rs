@@ -4,6 +4,7 @@ use super::bundle::sample;
 use super::finding::{Case, Finding};
 use super::trial::{Among, Trial};
 use super::{DEFAULT_SEED, Part, Prepared, position, relate};
+use crate::activity;
 use judge::profile::Promises;
 use judge::verdict::diagnosis::{CrossCheck, Position, Stand, Witness, stand};
 use judge::verdict::{Blame, Deviation, Verdict, judge_at};
@@ -71,6 +72,7 @@ fn all(prepared: &Prepared, peers: &[Peer<'_>], accused: Vec<Accused<'_>>) {
     if accused.is_empty() {
         return;
     }
+    let _doing = activity::doing(format!("asks the other lanes about `{}`", prepared.suite.name));
     let mut sources: Vec<Option<InputSource>> = accused.iter().map(|accused| accused.source).collect();
     sources.dedup();
     let mut left = accused;
