@@ -63,8 +63,8 @@ impl Gpu {
             // A device that is dropped is no loss.
             if reason == wgpu::DeviceLostReason::Unknown {
                 let mut lost = noted.lock().unwrap_or_else(PoisonError::into_inner);
-                let at = lost.doing.map_or_else(String::new, |doing| format!(" at {doing}"));
-                lost.how.get_or_insert_with(|| format!("device lost{at}: {message}"));
+                let at = lost.doing.map_or_else(String::new, |doing| format!("{doing}: "));
+                lost.how.get_or_insert_with(|| format!("{at}{message}; the device is lost from there on"));
             }
         });
         Ok(Self { info: adapter.get_info(), hung: Arc::default(), lost, device, queue })

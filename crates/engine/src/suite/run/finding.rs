@@ -263,7 +263,8 @@ pub(super) fn deviations(
             shown.push(Shown { number, alike: Some(FLAKY.to_owned()), words, finding, sample: None });
         }
     }
-    if tied.is_some_and(|tied| tied.position.disturbed) {
+    let disturbed = tied.is_some_and(|tied| tied.position.disturbed);
+    if disturbed {
         // What depends on others each time differs from place to place, and is no chance.
         shown.retain(|shown| shown.alike.as_deref() != Some(FLAKY));
     }
@@ -293,7 +294,7 @@ pub(super) fn deviations(
                 reproduce: Some(reproduce(request, part.on(), &shrunk.sample)),
             };
             let reported = shown.iter().any(|s| s.alike.as_deref() == Some(FLAKY));
-            if !reported {
+            if !reported && !disturbed {
                 shown.push(Shown { number, alike: Some(FLAKY.to_owned()), words, finding, sample: None });
             }
             continue;
