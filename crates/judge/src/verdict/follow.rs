@@ -43,6 +43,9 @@ pub(super) fn may_be_settled(doubt: &Doubt) -> bool {
     }
 }
 
+/// Sees a machine after a run, with the invocation of each slot and what the known ones are.
+type See<'s, 'a> = &'s mut dyn FnMut(&mut Machine<'a, Tape<'a>>, &[usize], &[OnPath]);
+
 /// Runs invocations of a batch on all of their paths, and shows each run with what its slots are. Gives the samples, in the
 /// order of `invocations`, of which every path is known: no decision was left open, no loop went on without end, and nothing on
 /// the way was undefined.
@@ -50,7 +53,7 @@ pub(super) fn on_all_paths<'a>(
     machine: &mut Machine<'a, Tape<'a>>,
     batch: &Batch,
     invocations: &[usize],
-    see: &mut dyn FnMut(&mut Machine<'a, Tape<'a>>, &[usize], &[OnPath]),
+    see: See<'_, 'a>,
 ) -> Vec<bool> {
     let mut known = vec![true; invocations.len()];
     let mut count = vec![1_usize; invocations.len()];
