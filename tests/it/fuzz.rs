@@ -10,6 +10,7 @@ use engine::fuzz::{
     Domain, Finding, FunctionReport, FuzzFindingKind, Request, Severity, Subject, option, run, subjects,
 };
 use judge::profile::{Op, Promises, by_name};
+use judge::verdict::Reason;
 use judge::verdict::diagnosis::Origin;
 use lanes::{Actual, Api, Description, Lane, LaneError, Runner, embedded};
 use program::Kernel;
@@ -253,6 +254,58 @@ fn equal_inputs_with_different_outputs_are_found() {
     assert!(kinds(&report, Severity::Finding).contains(&FuzzFindingKind::NotDeterministic), "{:?}", report.findings);
     let report = on(subject, "", &*embedded::open().unwrap(), rulings());
     assert!(!report.fails(), "{:?}", report.findings);
+}
+
+/// A lane on which a number takes the sign of another one beside it.
+struct Near(Box<dyn Lane>);
+
+struct NearRunner(Box<dyn Runner>);
+
+impl Lane for Near {
+    fn description(&self) -> &Description {
+        self.0.description()
+    }
+
+    fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
+        Ok(Box::new(NearRunner(self.0.prepare(kernel, capacity)?)))
+    }
+}
+
+impl Runner for NearRunner {
+    fn capacity(&self) -> usize {
+        self.0.capacity()
+    }
+
+    fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
+        let mut seen = batch.clone();
+        for (k, x) in seen.invocations.iter_mut().enumerate() {
+            let beside = batch.invocations.get(k ^ 1).copied().unwrap_or(*x);
+            if beside != *x && f32::from_bits(beside) < 0.0 {
+                *x ^= 1 << 31;
+            }
+        }
+        self.0.run(&seen)
+    }
+}
+
+#[test]
+fn invocations_that_disturb_each_other_are_told_from_chance_and_from_wrong_places() {
+    let subject = &functions("a.glsl", "float twice(float x) { return 2.0 * x; }")[0];
+    let rulings = || Promises::of_api(Api::Binary32);
+    let report = on(subject, "", &Near(embedded::open().unwrap()), rulings());
+    assert_eq!(kinds(&report, Severity::Finding), [FuzzFindingKind::Disturbed], "{:?}", report.findings);
+    // Inputs of another place are no inputs beside it.
+    let report = on(subject, "", &Mixed(embedded::open().unwrap()), rulings());
+    assert!(!kinds(&report, Severity::Finding).contains(&FuzzFindingKind::Disturbed), "{:?}", report.findings);
+}
+
+#[test]
+fn a_function_that_is_mostly_undetermined_is_weak_and_tells_why() {
+    let report = |body: &str| strict(&functions("a.glsl", &format!("float f(float x) {{ return {body}; }}"))[0], "");
+    let weak = report("clamp(0.0, 1.0, x)");
+    assert!(weak.weak() == Some(Reason::Undefined) && weak.tells_notes() && !weak.fails(), "{:?}", weak.findings);
+    let right = report("clamp(x, 0.0, 1.0)");
+    assert!(right.weak().is_none() && !right.tells_notes(), "{:?}", right.findings);
 }
 
 /// Each function of a text with its inputs, or why it does not run.

@@ -133,6 +133,14 @@ fn a_device_that_was_not_told_of_precise_is_no_miscompiler() {
     let ran = run_in(folder.path(), "fuzz sum.glsl --lane vulkan");
     assert!(ran.out.contains("`precise` is lost") && ran.out.contains("naga"), "{}", ran.out);
     assert!(!ran.out.contains("miscompilation"), "{}", ran.out);
+    assert!(ran.out.contains("1 finding"), "{}", ran.out);
+    // Where glslang gets the same text, only what this tool puts between is at fault.
+    let ran = run_in(folder.path(), "fuzz sum.glsl --lane vulkan,vulkan-glslang --notes").expect(0);
+    assert!(
+        ran.out.contains("`precise` is lost") && ran.out.contains("the translator of this lane is at fault"),
+        "{}",
+        ran.out
+    );
 }
 
 #[test]

@@ -8,6 +8,7 @@ pub mod calibrate;
 pub mod catalogue;
 pub mod compare;
 pub mod dispatch;
+mod elsewhere;
 pub mod fuzz;
 pub mod guess;
 pub mod improve;

@@ -6,6 +6,7 @@ use super::stage;
 use super::subject::Ready;
 use crate::InputValue;
 use crate::activity::{self, shrink};
+use crate::elsewhere::{self, Word};
 use base::value::{Batch, Scalar};
 use judge::profile::Promises;
 use judge::verdict::diagnosis::{self, Diagnosis, Suspected};
@@ -263,23 +264,36 @@ impl<'a> OnLane<'a> {
             if run(&batch).as_ref() != Some(&gave) {
                 return false;
             }
-            odd = (0..places.len()).find(|&k| right[k] != gave[k]).map(|k| places[k]);
+            odd = (0..places.len()).find_map(|k| {
+                let differs = right[k].iter().zip(&gave[k]).position(|(a, b)| a != b)?;
+                Some((places[k], differs))
+            });
         }
-        odd.is_some_and(|at| !self.is_swapped(&batch, at))
+        // The words of the first vertex stand behind the number of vertices and its strip.
+        let words = self.ready.kernel.output.vertex.words();
+        odd.is_some_and(|(at, differs)| {
+            differs.checked_sub(HEADER).is_some_and(|word| word < words && !self.is_swapped(&batch, at, word))
+        })
     }
 
-    /// True where a sample that gives something else beside others gives what another place of the dispatch gives, the same one
-    /// whatever stands there: memory is addressed wrongly.
-    fn is_swapped(&mut self, batch: &Batch, at: usize) -> bool {
+    /// True where a sample that gives something else beside others gives what is meant in another place of the dispatch, the
+    /// same one whatever stands there: memory is addressed wrongly.
+    fn is_swapped(&mut self, batch: &Batch, at: usize, word: usize) -> bool {
         let Ok(runner) = &mut self.runner else { return false };
+        let scalar = self.ready.kernel.output.vertex.scalar_of(word);
         let count = batch.invocation_count();
         let mut from: Vec<usize> = (0..count).filter(|&k| k != at).collect();
         for shift in 0..ROTATIONS {
             // The others in turn, with the sample in its place.
             let order = (0..count).map(|k| if k == at { at } else { (k + shift) % count });
-            let Ok(actual) = runner.run(&batch.apart(order)) else { return false };
-            let found = words_of(&actual, at);
-            from.retain(|&k| words_of(&actual, k) == found);
+            let turned = batch.apart(order);
+            let Ok(actual) = runner.run(&turned) else { return false };
+            if actual.stored(at) == 0 {
+                return true;
+            }
+            let found = actual.vertex(at, 0)[word];
+            from =
+                elsewhere::that_mean(&self.ready.executable, &turned, Word { vertex: 0, word, scalar }, found, &from);
         }
         !from.is_empty()
     }
@@ -384,6 +398,9 @@ fn part_of(batch: &Batch, first: usize, count: usize) -> Option<Batch> {
     }
     Some(part)
 }
+
+/// Words of [`words_of`] in front of the first vertex.
+const HEADER: usize = 2;
 
 /// Everything that an invocation wrote; any NaN is as good as any other.
 fn words_of(actual: &Actual, invocation: usize) -> Vec<u32> {

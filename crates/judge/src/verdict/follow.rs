@@ -21,7 +21,10 @@ use program::lane::Actual;
 /// Paths of a sample that are followed.
 const MOST_PATHS: usize = 64;
 
-/// What is expected on each path of a reference, of pairs of paths with the program.
+/// Combinations of sides that decisions on one path may have: with more, paths are not begun.
+const MOST_COMBINED: usize = 4 * MOST_PATHS;
+
+/// Pairs of a path of the program and one of its reference that may be compared.
 const MOST_PAIRS: usize = 1 << 10;
 
 /// A slot of a run and the sample that it runs.
@@ -78,6 +81,12 @@ pub(super) fn on_all_paths<'a>(
                 continue;
             }
             let sides = tape.sides(slot);
+            // Decisions that have no say about each other have all of their combinations.
+            let combined = sides.iter().fold(1_usize, |all, sides| all.saturating_mul(usize::from(*sides)));
+            if combined > MOST_COMBINED {
+                known[sample] = false;
+                continue;
+            }
             for (k, &sides) in sides.iter().enumerate().skip(path.len()) {
                 for side in 1..sides {
                     let mut next = path.clone();

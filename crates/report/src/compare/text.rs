@@ -41,7 +41,7 @@ pub fn text(summary: &Summary, color: bool) -> String {
     let compared = summary.pairs.iter().filter(|pair| pair.is_known()).count();
     let differ = summary.pairs.iter().filter(|pair| pair.unlike.0 > 0).count();
     let rest = summary.pairs.len() - compared;
-    let few = summary.pairs.iter().filter(|pair| pair.weak().is_some()).count();
+    let few = summary.pairs.iter().filter(|pair| pair.is_known() && pair.weak().is_some()).count();
     let few = if few == 0 { String::new() } else { format!(", {few} weak") };
     let _ = write!(text, "\n{compared} compared, {differ} unlike{few}, {rest} not compared");
     for (which, names) in ["first", "second"].iter().zip(&summary.unpaired) {

@@ -6,6 +6,7 @@
 use super::part::Failing;
 use super::trial::Trial;
 use super::{Request, repeat};
+use crate::elsewhere::{self, Word};
 use base::value::Batch;
 use judge::verdict::diagnosis::Position;
 use judge::verdict::{Blame, Deviation, Verdict, judge_at, judge_batch};
@@ -137,7 +138,7 @@ pub(super) fn probe(
         let mut placed = others(trial, request.seed ^ salt, sample, count, per_case);
         put(&mut placed, at, sample);
         if let Some(deviation) = beside(trial, (&same, &placed), at, first[at])? {
-            let disturbed = !is_swapped(trial, request, sample, place)?;
+            let disturbed = !is_swapped(trial, request, sample, place, &deviation)?;
             let position = Position { invocation: at, count, per_case, wrong: Vec::new(), many: 0, disturbed };
             return Ok(Some(Tied { position, deviation, wrong: Vec::new() }));
         }
@@ -145,21 +146,28 @@ pub(super) fn probe(
     Ok(None)
 }
 
-/// True where a sample that is wrong beside others gives what another place of the batch gives, the same one whatever stands
-/// there: memory is addressed wrongly. Else what it gives comes of the others' inputs.
+/// True where a sample that is wrong beside others gives what is meant in another place of the batch, the same one whatever
+/// stands there: memory is addressed wrongly. Else what it gives comes of the others' inputs.
 fn is_swapped(
     trial: &mut Trial<'_>,
     request: &Request,
     sample: &Sample,
     Place { at, count, per_case }: Place,
+    deviation: &Deviation,
 ) -> Result<bool, LaneError> {
+    let Some(value) = deviation.value() else { return Ok(true) };
     let mut from: Vec<usize> = (0..count).filter(|&k| k != at).collect();
     for salt in 0..SOUGHT {
         let mut placed = others(trial, request.seed ^ salt, sample, count, per_case);
         put(&mut placed, at, sample);
         let actual = trial.run(&placed)?;
-        let found = repeat::print(&actual, at);
-        from.retain(|&k| repeat::print(&actual, k) == found);
+        let record = &actual.layout().vertex;
+        let word = (0..record.words()).find(|&word| record.word_name(word) == value.component);
+        let vertex = value.vertex.unwrap_or(0);
+        let Some(word) = word.filter(|_| vertex < actual.stored(at)) else { return Ok(true) };
+        let found = actual.vertex(at, vertex)[word];
+        let of = Word { vertex, word, scalar: value.scalar };
+        from = elsewhere::that_mean(trial.prepared.oracle.executable(), &placed, of, found, &from);
     }
     Ok(!from.is_empty())
 }
