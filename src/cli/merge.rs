@@ -13,7 +13,7 @@ use serde_json::Value;
 
 use super::check::Format;
 use super::status::ExitStatus;
-use super::{calibrate, check, fuzz, mutate, refdata};
+use super::{calibrate, check, fuzz, mutate, refdata, torture};
 use base::text::Shown;
 use disk::fresh;
 use engine::shard::{self, Identity, Sealed, Shard, Sort};
@@ -127,6 +127,7 @@ pub fn run(args: &MergeArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         "check" => merge.of::<check::ShardResult>(all, out, err),
         "fuzz" => merge.of::<fuzz::ShardResult>(all, out, err),
         "mutate" => merge.of::<mutate::ShardResult>(all, out, err),
+        "torture" => merge.of::<torture::ShardResult>(all, out, err),
         "calibrate" => merge.of::<calibrate::ShardResult>(all, out, err),
         other => anyhow::bail!("the results are of the command `{other}`, which this version cannot merge"),
     }

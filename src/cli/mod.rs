@@ -49,6 +49,8 @@ pub mod refdata;
 pub mod shard;
 pub mod status;
 #[cfg(feature = "run")]
+pub mod torture;
+#[cfg(feature = "run")]
 pub mod translate;
 #[cfg(feature = "run")]
 pub mod tune;
@@ -200,6 +202,9 @@ pub enum Command {
     /// Put small faults into shaders and see whether their suites notice
     #[cfg(feature = "run")]
     Mutate(mutate::MutateArgs),
+    /// Run random programs on every lane and through every translator
+    #[cfg(feature = "run")]
+    Torture(torture::TortureArgs),
     /// Write reference data, and compare anyone's results with them
     #[cfg(feature = "run")]
     Refdata(refdata::RefdataArgs),
@@ -236,13 +241,17 @@ impl Command {
                 | Self::Lanes(_)
                 | Self::Calibrate(_)
                 | Self::Mutate(_)
+                | Self::Torture(_)
         )
     }
 
     /// True when the command reports what it found so far when a signal asks it to end.
     #[cfg(all(unix, feature = "run"))]
     fn ends_early(&self) -> bool {
-        matches!(self, Self::Check(_) | Self::Fuzz(_) | Self::Compare(_) | Self::Improve(_) | Self::Mutate(_))
+        matches!(
+            self,
+            Self::Check(_) | Self::Fuzz(_) | Self::Compare(_) | Self::Improve(_) | Self::Mutate(_) | Self::Torture(_)
+        )
     }
 }
 
@@ -296,6 +305,8 @@ pub fn run(cli: &Cli) -> ExitStatus {
         Command::Tune(args) => tune::run(args, &mut out, &mut err, color),
         #[cfg(feature = "run")]
         Command::Mutate(args) => mutate::run(args, &mut out, &mut err),
+        #[cfg(feature = "run")]
+        Command::Torture(args) => torture::run(args, &mut out, &mut err),
         #[cfg(feature = "run")]
         Command::Refdata(args) => refdata::run(args, &mut out, &mut err),
         #[cfg(feature = "run")]

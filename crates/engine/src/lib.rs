@@ -17,6 +17,7 @@ pub mod mutate;
 pub mod session;
 pub mod shard;
 pub mod suite;
+pub mod torture;
 pub mod tune;
 
 pub use input_value::InputValue;

@@ -22,4 +22,6 @@ pub mod refdata;
 mod reviewdog;
 mod sarif;
 #[cfg(feature = "run")]
+pub mod torture;
+#[cfg(feature = "run")]
 pub mod tune;
