@@ -131,7 +131,10 @@ pub fn of_failure(lane: &str, error: &LaneError) -> Event {
         }
     };
     let message = error.to_string();
-    let kind = if is_panic(&message) { EventKind::Panic } else { kind };
+    // wgpu has naga inside: the panic is one of the translator, whatever lane met it.
+    if let Some(event) = of_panic(&message) {
+        return event;
+    }
     Event {
         kind,
         on: lane.to_owned(),
@@ -144,16 +147,13 @@ pub fn of_failure(lane: &str, error: &LaneError) -> Event {
     }
 }
 
-fn is_panic(message: &str) -> bool {
-    message.contains("panicked")
-}
-
 /// A panic of naga, by what a front end or a translator is refused with.
 pub fn of_panic(why: &str) -> Option<Event> {
-    is_panic(why).then(|| Event {
+    let said = ["panicked: ", "a panic: "].into_iter().find_map(|word| why.split_once(word))?.1;
+    Some(Event {
         kind: EventKind::Panic,
         on: "naga".to_owned(),
-        origin: plain(why),
+        origin: plain(said),
         message: why.to_owned(),
         diagnosis: String::new(),
         blamed: String::new(),

@@ -88,6 +88,18 @@ impl Printer<'_> {
         self.program.language == Language::Glsl
     }
 
+    /// True for a program of GLSL 3.30, which older drivers take as well.
+    fn is_plain(&self) -> bool {
+        let newer = ["fma", "ldexp", "bit", "pack", "unpack", "find", "select of ints"];
+        let mut nested = false;
+        self.program.clone().each_mut(&mut |e| {
+            nested |= matches!(&e.ty, Type::Array(of, _) if !matches!(**of, Type::Value(..) | Type::Matrix(..)));
+        });
+        let operations = self.program.operations();
+        let is_newer = |name: &&str| newer.iter().any(|word| name.starts_with(word)) && !name.starts_with("bits of");
+        self.program.form != Form::Compute && !nested && !operations.iter().any(|name| is_newer(&name))
+    }
+
     fn line(&mut self, text: &str) {
         (0..self.depth).for_each(|_| self.text.push_str("    "));
         self.text.push_str(text);
@@ -400,7 +412,8 @@ impl Printer<'_> {
 
     fn all(&mut self) {
         if self.glsl() {
-            self.line("#version 450");
+            let version = if self.is_plain() { 330 } else { 450 };
+            self.line(&format!("#version {version}"));
         }
         if self.program.form == Form::Compute && self.glsl() {
             self.line(&format!("layout(local_size_x = {GROUP}) in;"));
@@ -480,7 +493,13 @@ impl Printer<'_> {
                 }
                 (false, _, true) => {
                     let flat = form == Form::Fragment && is_whole(&input.ty);
-                    format!("layout(location = {location}) {}in {ty} x{index};", if flat { "flat " } else { "" })
+                    // GLSL 3.30 has locations of attributes, and of the outputs of fragments alone.
+                    let located = if self.is_plain() && form == Form::Fragment {
+                        String::new()
+                    } else {
+                        format!("layout(location = {location}) ")
+                    };
+                    format!("{located}{}in {ty} x{index};", if flat { "flat " } else { "" })
                 }
                 // Parameters of the entry point.
                 (false, _, false) => continue,
@@ -508,7 +527,12 @@ impl Printer<'_> {
         } else if glsl {
             for (k, ty, whole) in &types {
                 let flat = if form == Form::Vertex && *whole { "flat " } else { "" };
-                self.line(&format!("layout(location = {k}) {flat}out {ty} o{k};"));
+                let located = if self.is_plain() && form == Form::Vertex {
+                    String::new()
+                } else {
+                    format!("layout(location = {k}) ")
+                };
+                self.line(&format!("{located}{flat}out {ty} o{k};"));
             }
         } else {
             self.block("struct Out", |p| {

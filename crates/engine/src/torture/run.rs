@@ -273,7 +273,9 @@ impl Found {
         let translator = event.kind == EventKind::Translation || event.kind == EventKind::Panic;
         let mut only: Vec<Peer<'_>> = peers.iter().filter(|peer| peer.name() == event.on).copied().collect();
         if only.is_empty() {
-            only.extend(peers.first());
+            // A lane that the fault stops would hide what translators make of the program.
+            let quiet = peers.iter().find(|peer| peer.lane.description().executor == "interpreter");
+            only.extend(quiet.or(peers.first()));
         }
         // What the lane was given when it failed is given to smaller programs as well, as far as they have the inputs.
         let kept: BTreeMap<String, Vec<u32>> =

@@ -451,12 +451,7 @@ pub fn unused_inputs(program: &mut Program) {
     let inputs = kept.iter().filter_map(|&k| program.inputs.get(k).cloned()).collect();
     program.inputs = inputs;
     if let Some(first) = program.inputs.first_mut().filter(|_| none) {
-        let ty = if matches!(first.ty, Type::Matrix(..)) && program.form != Form::Function {
-            Type::FLOAT
-        } else {
-            first.ty.clone()
-        };
-        (first.uniform, first.ty) = (false, ty);
+        (first.uniform, first.ty) = (false, Type::FLOAT);
     }
     program.each_mut(&mut |e| {
         if let Kind::Read(Variable::Input(index)) = &mut e.kind

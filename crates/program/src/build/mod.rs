@@ -151,21 +151,28 @@ struct Build<'s> {
 
 /// Builds a program out of a shader in which the front end found no error.
 pub(super) fn program(shader: &Shader, target: &Target) -> std::result::Result<Program, ProgramError> {
-    let (mut program, differs) = one(shader, target, true)?;
+    let reals = Reals::new(shader, &|_, value| value);
+    let (mut program, differs) = one(shader, target, true, reals.clone())?;
     if differs && program.role == Role::Fragment {
-        let (host, _) = one(shader, target, false)?;
+        let (host, _) = one(shader, target, false, reals)?;
         program.stage_module = Some(Arc::new((host.module, host.info)));
     }
     Ok(program)
 }
 
-/// The module that a host gets.
+/// The module that a host gets of a text that was written from another one. What is constant there is computed as it is
+/// written: the other text has the same operations, and folding them here would round once where it rounds often.
 pub(super) fn host(shader: &Shader) -> std::result::Result<Module, ProgramError> {
-    Ok(one(shader, &Target::Stage, false)?.0.module)
+    Ok(one(shader, &Target::Stage, false, Reals::default())?.0.module)
 }
 
 /// One of the two modules of a shader, and whether the other one is not the same.
-fn one(shader: &Shader, target: &Target, run: bool) -> std::result::Result<(Program, bool), ProgramError> {
+fn one(
+    shader: &Shader,
+    target: &Target,
+    run: bool,
+    reals: Reals,
+) -> std::result::Result<(Program, bool), ProgramError> {
     let mut build = Build {
         shader,
         module: Module::default(),
@@ -181,7 +188,7 @@ fn one(shader: &Shader, target: &Target, run: bool) -> std::result::Result<(Prog
         unnamed: HashMap::new(),
         next_binding: 0,
         local_constants: HashMap::new(),
-        reals: Reals::new(shader, &|_, value| value),
+        reals,
         initial: Vec::new(),
         incoming: Vec::new(),
         outgoing: Vec::new(),

@@ -136,14 +136,18 @@ impl Parser<'_> {
                     if self.peek() == Lex::RBracket {
                         // `S[](…)`: only a constructor of a structure array may leave the size out.
                         let close = self.advance();
-                        base = self.structure_array(base, ArrayDim { span: open.to(close), size: None })?;
+                        let Some((name, mut dims)) = self.indexed_name(base) else { return self.expected_expression() };
+                        dims.push(ArrayDim { span: open.to(close), size: None });
+                        base = self.structure_array(name, dims)?;
                         continue;
                     }
                     let index = self.expression()?;
                     self.close(Lex::RBracket, "]", open)?;
-                    if self.peek() == Lex::LParen && matches!(self.arena.get(base).kind, ExprKind::Name(_)) {
-                        let span = self.since(open);
-                        base = self.structure_array(base, ArrayDim { span, size: Some(index) })?;
+                    if self.peek() == Lex::LParen
+                        && let Some((name, mut dims)) = self.indexed_name(base)
+                    {
+                        dims.push(ArrayDim { span: self.since(open), size: Some(index) });
+                        base = self.structure_array(name, dims)?;
                         continue;
                     }
                     ExprKind::Index { base, index }
@@ -175,11 +179,27 @@ impl Parser<'_> {
         }
     }
 
-    /// `Name[…](args)` with the first dimension read.
-    fn structure_array(&mut self, base: ExprId, first: ArrayDim) -> Read<ExprId> {
+    /// The name and the indices of `Name[…][…]`, which may turn out to be the type of an array; none of anything else.
+    fn indexed_name(&self, base: ExprId) -> Option<(ExprId, Vec<ArrayDim>)> {
+        let (mut at, mut dims) = (base, Vec::new());
+        loop {
+            match &self.arena.get(at).kind {
+                ExprKind::Name(_) => break,
+                ExprKind::Index { base, index } => {
+                    dims.push(ArrayDim { span: self.span_of(*index), size: Some(*index) });
+                    at = *base;
+                }
+                _ => return None,
+            }
+        }
+        dims.reverse();
+        Some((at, dims))
+    }
+
+    /// `Name[…](args)` with the first dimensions read.
+    fn structure_array(&mut self, base: ExprId, mut dims: Vec<ArrayDim>) -> Read<ExprId> {
         let expr = self.arena.get(base).clone();
         let ExprKind::Name(name) = expr.kind else { return self.expected_expression() };
-        let mut dims = vec![first];
         dims.extend(self.dims()?);
         let span = self.since(expr.span);
         let ty = TypeSpecifier { kind: TypeKind::Named(name), name_span: expr.span, dims, span };

@@ -182,3 +182,12 @@ fn array_forms_agree() {
         assert_eq!(shader.interface().globals[0].ty.to_string(), "float[3][2]", "{declaration}");
     }
 }
+
+#[test]
+fn an_array_of_arrays_of_structures_is_made_of_its_elements() {
+    let text = "#version 450\nstruct S { float a; };\nfloat f(float x) {\n    S[2][3] v = S[2][3](S[3](S(x), S(x), S(x)), S[3](S(x), S(x), S(x)));\n    \
+                S[2][2] w = S[][2](S[2](S(x), S(x)), S[2](S(x), S(x)));\n    return v[1][2].a + w[0][1].a;\n}\n";
+    let file = SourceFile::new("a.glsl", text);
+    let parsed = Shader::parse(&file, Stage::Library);
+    assert!(parsed.diagnostics.is_empty(), "{:?}", parsed.diagnostics);
+}
