@@ -12,7 +12,7 @@ use chapter::SUITES;
 use engine::adversary::Strategy;
 use engine::suite::run::soundness::{Request, Row, check, halved};
 use engine::suite::run::{Prepared, prepare};
-use engine::suite::{load, parse};
+use engine::suite::{load_all, parse};
 
 /// Samples where none are asked for, as when all benchmarks run.
 const SAMPLES: u64 = 1_000_000;
@@ -36,7 +36,7 @@ fn run() -> Result<u64> {
     let suites = if files.is_empty() {
         suites(half)?
     } else {
-        files.iter().map(|path| read(path, half)).collect::<Result<_>>()?
+        files.iter().map(|path| read(path, half)).collect::<Result<Vec<_>>>()?.into_iter().flatten().collect()
     };
     let start = Instant::now();
     let found = check(&suites, &request, &mut |done| {
@@ -127,10 +127,12 @@ fn request(arguments: impl Iterator<Item = String>) -> Result<(Request, Vec<Path
     Ok((request, files))
 }
 
-/// A suite of a file, in whatever language its shader is; with `half` in GLSL, whose numbers are `mediump`.
-fn read(path: &Path, half: bool) -> Result<Prepared> {
-    let loaded = load(path)?;
-    Ok(if half { halved(&loaded.suite, &loaded.shader)? } else { prepare(&loaded.suite, &loaded.shader)? })
+/// The suites of a file, in whatever language their shaders are; with `half` in GLSL, whose numbers are `mediump`.
+fn read(path: &Path, half: bool) -> Result<Vec<Prepared>> {
+    let ready = load_all(path)?.into_iter().map(|loaded| {
+        Ok(if half { halved(&loaded.suite, &loaded.shader)? } else { prepare(&loaded.suite, &loaded.shader)? })
+    });
+    ready.collect()
 }
 
 fn suites(half: bool) -> Result<Vec<Prepared>> {

@@ -169,6 +169,7 @@ pub fn of_finding(report: &Report, finding: &Finding) -> Option<Event> {
         FindingKind::Flaky => EventKind::Flaky,
         FindingKind::Translation => EventKind::Translation,
         FindingKind::Undefined
+        | FindingKind::Guessed
         | FindingKind::Relation
         | FindingKind::Coverage
         | FindingKind::Floor
@@ -186,6 +187,7 @@ pub fn of_finding(report: &Report, finding: &Finding) -> Option<Event> {
         Some(Origin::BuiltIn { op, .. }) => format!("built-in {}", op.name()),
         Some(Origin::Rearrangement) => "rearrangement".to_owned(),
         Some(Origin::PreciseLost { .. }) => "precise lost".to_owned(),
+        Some(Origin::RoundingLeftOut { .. }) => "rounding left out".to_owned(),
         Some(Origin::Miscompilation) => MISCOMPILATION.to_owned(),
         None if diagnosis.is_some_and(|d| d.position.is_some()) => "position".to_owned(),
         None => UNKNOWN.to_owned(),
@@ -210,7 +212,9 @@ pub fn of_finding(report: &Report, finding: &Finding) -> Option<Event> {
 /// Who is blamed, in a few words that do not depend on which lanes ran beside.
 fn blamed(fault: &Fault) -> String {
     match fault {
-        Fault::Executor { executor, .. } | Fault::Position { executor, .. } => format!("executor {executor}"),
+        Fault::Executor { executor, .. } | Fault::Position { executor, .. } | Fault::Neighbours { executor, .. } => {
+            format!("executor {executor}")
+        }
         Fault::Translator { front_end, .. } => format!("translator {front_end}"),
         Fault::OneGroup { executor, front_end } | Fault::Either { executor, front_end } => {
             format!("executor {executor} or translator {front_end}")

@@ -97,7 +97,7 @@ impl Printer<'_> {
         });
         let operations = self.program.operations();
         let is_newer = |name: &&str| newer.iter().any(|word| name.starts_with(word)) && !name.starts_with("bits of");
-        self.program.form != Form::Compute && !nested && !operations.iter().any(|name| is_newer(&name))
+        self.program.form != Form::Compute && !nested && !operations.iter().any(is_newer)
     }
 
     fn line(&mut self, text: &str) {
