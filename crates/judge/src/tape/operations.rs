@@ -7,7 +7,7 @@ use super::functions::{Image1, Image2, image1, image2};
 use super::inherited::{at_zero, power, power_at_zero, root_by_inverse};
 use super::kernels::{self, Node, Out1, Out2, or_infinite, reach};
 use super::model::Arg;
-use super::paths::{Step, stepping};
+use super::paths::Step;
 use crate::profile::grid::MIN_NORMAL;
 use crate::profile::{Definition, Op};
 
@@ -545,7 +545,7 @@ impl Tape<'_> {
             return;
         }
         let slots: Vec<usize> = (0..SLOTS).filter(|&slot| !finite(slot)).collect();
-        self.stepping = self.stepping.or(stepping(self.arena.nodes[at].op, &slots));
+        self.note_steps(id, &slots);
         for slot in slots {
             for &p in partials {
                 self.arena.partials.get_mut(2 * p as usize)[slot] = 0.0;

@@ -7,7 +7,7 @@
 //! are on one of the other paths.
 
 use super::Tape;
-use super::arena::{Id, Slots};
+use super::arena::{Id, NodeKind, Slots};
 use super::functions::{image1, image2};
 use super::kernels::reach;
 use crate::profile::Op;
@@ -195,11 +195,24 @@ fn words_between(op: ToWords, exact: u32, [low, high]: [u32; 2]) -> Option<Vec<u
     Some(std::iter::once(exact).chain(others).collect())
 }
 
-/// Slots of a column of partials that are not finite, of an operation with steps.
-pub(super) fn stepping(op: Option<Op>, slots: &[usize]) -> Mask {
-    match op {
-        Some(op) if has_steps(op) => Mask::where_(|slot| slots.contains(&slot)),
-        Some(_) | None => Mask::NONE,
+/// How far an argument may be off for a step to be followed: with more, what is left on a side is as coarse as the step.
+fn worth(op: Op) -> f64 {
+    if op == Op::Fract { 1.0 / 64.0 } else { 0.5 }
+}
+
+impl Tape<'_> {
+    /// Notes the slots in which a function with steps has no slope, as far as they are worth to be followed.
+    pub(super) fn note_steps(&mut self, id: Id, slots: &[usize]) {
+        let meta = self.arena.nodes[id as usize];
+        let Some(op) = meta.op.filter(|op| has_steps(*op)) else { return };
+        let args = match meta.kind {
+            NodeKind::One { a, .. } => [a, a],
+            NodeKind::Two { a, b, .. } => [a, b],
+            NodeKind::Leaf | NodeKind::Sum { .. } | NodeKind::Product { .. } | NodeKind::Select { .. } => return,
+        };
+        let off = |slot: usize| args.iter().map(|a| self.arena.radius.get(*a as usize)[slot]).fold(0.0, f64::max);
+        let noted: Vec<usize> = slots.iter().copied().filter(|slot| off(*slot) <= worth(op)).collect();
+        noted.into_iter().for_each(|slot| self.stepping.insert(slot));
     }
 }
 

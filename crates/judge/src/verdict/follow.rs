@@ -31,6 +31,8 @@ const MOST_PAIRS: usize = 1 << 10;
 pub(super) struct OnPath {
     pub slot: usize,
     pub sample: usize,
+    /// The path of real numbers, which comes first.
+    pub first: bool,
 }
 
 /// Whether a tape leaves a slot of its last run open, in a way that paths may settle.
@@ -47,7 +49,8 @@ pub(super) fn may_be_settled(doubt: &Doubt) -> bool {
 }
 
 /// Sees a machine after a run, with the invocation of each slot and what the known ones are.
-type See<'s, 'a> = &'s mut dyn FnMut(&mut Machine<'a, Tape<'a>>, &[usize], &[OnPath]);
+/// Gives samples whose other paths are not worth a look: these are not known.
+type See<'s, 'a> = &'s mut dyn FnMut(&mut Machine<'a, Tape<'a>>, &[usize], &[OnPath]) -> Vec<usize>;
 
 /// Runs invocations of a batch on all of their paths, and shows each run with what its slots are. Gives the samples, in the
 /// order of `invocations`, of which every path is known: no decision was left open, no loop went on without end, and nothing on
@@ -97,12 +100,17 @@ pub(super) fn on_all_paths<'a>(
                 }
             }
             known[sample] &= count[sample] <= MOST_PATHS;
-            seen.push(OnPath { slot, sample });
+            seen.push(OnPath { slot, sample, first: path.is_empty() });
         }
-        see(machine, &run, &seen);
+        see(machine, &run, &seen).into_iter().for_each(|sample| known[sample] = false);
     }
     machine.domain().follow(Vec::new());
     known
+}
+
+/// The samples of a run on the path of real numbers that no other path settles.
+fn hopeless(best: &[Best], seen: &[OnPath]) -> Vec<usize> {
+    seen.iter().filter(|on| on.first && best[on.sample].is_open()).map(|on| on.sample).collect()
 }
 
 /// What came of each word of a sample, on the best of its paths.
@@ -127,6 +135,13 @@ impl Best {
             None => new,
             Some(before) => better(before, new),
         });
+    }
+
+    /// True where some word is open for another reason than decisions and none is wrong: the sample will not deviate, and
+    /// what is too coarse on one side hardly ever is not on another.
+    fn is_open(&self) -> bool {
+        let any = |told: fn(&Told) -> bool| self.words.iter().flatten().any(told);
+        any(|told| matches!(told, Told::Open(_))) && !any(|told| matches!(told, Told::Wrong(_)))
     }
 
     /// The verdict on the sample, with its largest error where it agrees.
@@ -190,7 +205,7 @@ pub(super) fn lane<'a>(
     let record = actual.layout().vertex.clone();
     let mut see = |machine: &mut Machine<'a, Tape<'a>>, run: &[usize], seen: &[OnPath]| {
         let mut fitting = Vec::new();
-        for &OnPath { slot, sample } in seen {
+        for &OnPath { slot, sample, .. } in seen {
             match shape_of_lane(machine, actual, run[slot], slot) {
                 Some(shape) => best[sample].shape = Some(shape),
                 None => {
@@ -220,6 +235,7 @@ pub(super) fn lane<'a>(
                 }
             }
         }
+        hopeless(&best, seen)
     };
     let known = on_all_paths(machine, batch, invocations, &mut see);
     let verdict = |(best, known): (Best, bool)| known.then(|| best.verdict(Blame::Lane, promise));
@@ -256,7 +272,7 @@ pub(super) fn shader<'a>(
             let wanted = |sample: usize| expected[sample].as_ref().and_then(|all| all.get(alternative));
             let mut of_slot: Vec<Option<&Expected>> = vec![None; SLOTS];
             let mut fitting = Vec::new();
-            for &OnPath { slot, sample } in seen {
+            for &OnPath { slot, sample, .. } in seen {
                 let Some(wanted) = wanted(sample) else { continue };
                 pairs[sample] += 1;
                 match shape_of_shader(machine, context, wanted, slot) {
@@ -305,6 +321,7 @@ pub(super) fn shader<'a>(
                 }
             }
         }
+        hopeless(&best, seen)
     };
     let known = on_all_paths(machine, batch, invocations, &mut see);
     let known = known.into_iter().zip(expected).zip(pairs);
