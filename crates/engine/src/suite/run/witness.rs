@@ -12,6 +12,9 @@ use lanes::{Actual, Lane, LaneError, LaneName, Stage};
 use program::InputSource;
 use property::Sample;
 
+/// Batches of others beside which a sample is looked at that these disturb.
+const BESIDE: u64 = 12;
+
 /// Invocations beside the samples.
 const MOVED: usize = Among::ALL[0].behind;
 
@@ -206,10 +209,24 @@ fn in_place(
     position: &Position,
     accused: &Accused<'_>,
 ) -> Result<(Stand, Option<u32>), LaneError> {
-    let Position { invocation, count, per_case, ref wrong, .. } = *position;
+    let Position { invocation, count, per_case, ref wrong, disturbed, .. } = *position;
     let mut trial = trial(prepared, peer, stage, source, count)?;
     if trial.capacity() < count {
         return Ok((Stand::Open, None));
+    }
+    if disturbed {
+        // Not all others disturb it.
+        let mut all = (Stand::Open, None);
+        for salt in 0..BESIDE {
+            let mut batch = position::others(&trial, DEFAULT_SEED ^ salt, sample, count, per_case);
+            position::put(&mut batch, invocation, sample);
+            let actual = trial.run(&batch)?;
+            all = said(accused, &actual, invocation, &judge_at(&trial.context(), &batch, &actual, invocation));
+            if all.0 != Stand::Right {
+                break;
+            }
+        }
+        return Ok(all);
     }
     let mut batch = position::others(&trial, DEFAULT_SEED, sample, count, per_case);
     trial.run(&batch)?;
