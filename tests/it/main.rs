@@ -63,6 +63,7 @@ mod support;
 mod targets;
 mod terminal;
 mod tidy;
+mod torture;
 mod translate;
 mod translate_cli;
 mod translate_flips;

@@ -14,7 +14,7 @@ use naga::{Module, ShaderStage};
 use serde::Deserialize;
 use test_record::not_run;
 
-use crate::binary::root;
+use crate::binary::{command, root};
 
 /// `case.toml` of a folder.
 #[derive(Debug, Deserialize)]
@@ -24,6 +24,8 @@ struct Case {
     version: String,
     file: String,
     reader: Reader,
+    /// The lane of [`Reader::Lane`].
+    lane: Option<String>,
     /// Where it is reported.
     known: Option<String>,
     shows: Shows,
@@ -39,6 +41,8 @@ enum Reader {
     /// glslang, and then naga's reader of SPIR-V.
     GlslangNaga,
     GlslangHlsl,
+    /// `shadercheck check` of the suite of the folder, on a lane.
+    Lane,
 }
 
 /// How the fault shows.
@@ -61,6 +65,8 @@ enum Outcome {
     /// Decorations before and after.
     Words,
     Assembly,
+    /// What `check` says.
+    Report,
 }
 
 fn folders() -> Vec<PathBuf> {
@@ -107,6 +113,23 @@ fn glslang(arguments: &[&str], file: &Path) -> Option<String> {
     Some(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
+/// What `check` says of the suite beside a file on a lane; nothing where the lane is not there, or its driver has another
+/// version.
+fn reported(file: &Path, lane: &str, version: &str) -> Option<(Outcome, String)> {
+    let lanes = command(root(), "lanes").output().unwrap();
+    if !String::from_utf8_lossy(&lanes.stdout).contains(version) {
+        return None;
+    }
+    let suite = file.with_file_name("repro.suite.toml");
+    let mut check = command(root(), "check --samples 256");
+    check.arg(suite).args(["--lane", lane]);
+    let ran = check.output().unwrap();
+    let missing = String::from_utf8_lossy(&ran.stderr).contains("is not available");
+    // Of a lane that nobody knows here, such as a driver that is not installed, the name is unknown.
+    let unknown = ran.status.code() == Some(2);
+    (!missing && !unknown).then(|| (Outcome::Report, String::from_utf8_lossy(&ran.stdout).into_owned()))
+}
+
 /// What the tool makes of the text; nothing where it is not installed.
 fn outcome(reader: Reader, file: &Path) -> Option<(Outcome, String)> {
     let text = fs::read_to_string(file).unwrap();
@@ -130,6 +153,10 @@ fn outcome(reader: Reader, file: &Path) -> Option<(Outcome, String)> {
         }
     };
     Some(match reader {
+        Reader::Lane => {
+            let case = case(file.parent().unwrap());
+            return reported(file, &case.lane.unwrap(), &case.version);
+        }
         Reader::NagaGlsl | Reader::NagaWgslSpirv => match catch_unwind(AssertUnwindSafe(by_naga)) {
             Ok(Ok(text)) => (Outcome::Wgsl, text),
             Ok(Err(message)) => (Outcome::Refused, message),
@@ -175,7 +202,7 @@ fn every_fault_is_still_there() {
     for folder in folders() {
         let (name, case) = (folder.file_name().unwrap().to_string_lossy().into_owned(), case(&folder));
         match outcome(case.reader, &folder.join(&case.file)) {
-            None => not_run(&format!("{name}: glslangValidator is not installed")),
+            None => not_run(&format!("{name}: {} is not installed", case.tool)),
             Some(found) => wrong.extend(gone(&case.shows, &found).map(|why| format!("{name}: {why}"))),
         }
     }

@@ -43,6 +43,34 @@ impl Operation {
         self.name.strip_prefix("guard ").and_then(|sign| sign.bytes().next())
     }
 
+    /// True where a result of floats is another number than every argument, in general.
+    pub fn rounds(&self) -> bool {
+        const EXACT: [&str; 21] = [
+            "negate",
+            "abs",
+            "sign",
+            "floor",
+            "ceil",
+            "trunc",
+            "roundEven",
+            "round",
+            "min",
+            "max",
+            "clamp",
+            "step",
+            "saturate",
+            "transpose",
+            "guard 1",
+            "guard h",
+            "guard E",
+            "guard +",
+            "guard c",
+            "guard C",
+            "guard H",
+        ];
+        !EXACT.contains(&self.name) && !self.name.starts_with("select") && !self.name.starts_with("float of")
+    }
+
     /// The values of N and K with which it gives a type: free ones are 0.
     pub fn giving(&self, ty: &Type) -> Option<(u8, u8)> {
         let (letter, _) = Letter::read(self.result);

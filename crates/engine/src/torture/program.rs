@@ -445,6 +445,18 @@ impl Program {
         found
     }
 
+    /// True where a float is computed of constants alone by an operation that rounds. Readers of translations fold these in
+    /// steps of their own, which is no fault of a translation.
+    pub fn folds(&self) -> bool {
+        let mut found = false;
+        self.clone().each_mut(&mut |e| {
+            if let (Kind::Operation(row, _), Type::Value(Scalar::Float, _) | Type::Matrix(..)) = (&e.kind, &e.ty) {
+                found |= OPERATIONS[*row].rounds() && e.is_constant();
+            }
+        });
+        found
+    }
+
     /// Statements and nodes of expressions.
     pub fn size(&self) -> usize {
         let (mut size, mut copy) = (self.inputs.len() + self.helpers.len() + self.structures.len(), self.clone());

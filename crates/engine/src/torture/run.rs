@@ -9,7 +9,7 @@ use super::cause::{self, Event, EventKind};
 use super::generate::{Wish, generate};
 use super::inputs;
 use super::print::{Printed, print};
-use super::program::{Form, Language, Program};
+use super::program::{Expression, Form, Input, Language, Program, Type, Variable};
 use super::shrink::{about, shrink};
 use super::write::Folder;
 use crate::session::{Job, Observer, Session};
@@ -98,6 +98,9 @@ pub fn trial(
     let mut watcher = Watcher { prepared: RefCell::new(Some(prepared)), asked, outcome };
     let _ = session.run(1, &mut watcher);
     let mut outcome = watcher.outcome;
+    if program.folds() {
+        outcome.events.retain(|event| event.kind != EventKind::Translation);
+    }
     outcome.events.sort_by(|a, b| (a.kind, &a.on).cmp(&(b.kind, &b.on)));
     outcome
 }
@@ -158,11 +161,29 @@ impl Observer for Watcher<'_> {
     }
 }
 
+/// Has lanes run something plain: one that met a panic may say so once more of what comes next.
+fn settle(peers: &[Peer<'_>], asked: &Asked) {
+    for language in Language::ALL {
+        let plain = Program {
+            language,
+            form: Form::Function,
+            structures: Vec::new(),
+            helpers: Vec::new(),
+            inputs: vec![Input { ty: Type::FLOAT, uniform: false }],
+            body: Vec::new(),
+            results: vec![Expression::read(Variable::Input(0), Type::FLOAT)],
+        };
+        let _ = trial(&plain, peers, &Asked { samples: 1, ..*asked }, false, &BTreeMap::new());
+    }
+}
+
 /// One cause, with the smallest program that shows it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Cause {
     /// What tells it from others.
     pub key: String,
+    /// Operations of the smallest program; those that are in every program of the cause.
+    pub operations: Vec<String>,
     /// What kind it is.
     pub kind: EventKind,
     /// The lane or translator.
@@ -185,6 +206,17 @@ pub struct Cause {
     pub sizes: (usize, usize),
     /// Programs that were tried for that.
     pub tried: usize,
+}
+
+impl Cause {
+    /// True where both are one cause: of the same key, or where the operations of one are among those of the other, whose
+    /// program could not be made as small.
+    fn is_like(&self, other: &Self) -> bool {
+        let within = |a: &[String], b: &[String]| !a.is_empty() && a.iter().all(|name| b.contains(name));
+        let head = |cause: &Self| (cause.kind, cause.on.clone(), cause.blamed.clone());
+        let alike = || within(&self.operations, &other.operations) || within(&other.operations, &self.operations);
+        self.key == other.key || (head(self) == head(other) && alike())
+    }
 }
 
 /// What came of some of the programs of a run.
@@ -219,6 +251,9 @@ impl Found {
         if interrupt::asked() {
             return false;
         }
+        if outcome.events.iter().any(|event| event.kind == EventKind::Panic) {
+            settle(peers, asked);
+        }
         let mut fresh = Vec::new();
         let mut seen = BTreeSet::new();
         for event in &outcome.events {
@@ -233,10 +268,15 @@ impl Found {
         // One after the other: what the first shows often is what the others show.
         for event in fresh {
             let Some(cause) = self.look_into(index, &program, peers, asked, &event) else { return false };
-            self.coarse.insert(event.coarse(), cause.key.clone());
-            match self.causes.iter_mut().find(|known| known.key == cause.key) {
-                Some(known) => known.count += 1,
-                None => self.causes.push(cause),
+            match self.causes.iter_mut().find(|known| known.is_like(&cause)) {
+                Some(known) => {
+                    self.coarse.insert(event.coarse(), known.key.clone());
+                    known.count += 1;
+                }
+                None => {
+                    self.coarse.insert(event.coarse(), cause.key.clone());
+                    self.causes.push(cause);
+                }
             }
         }
         self.programs += 1;
@@ -301,6 +341,7 @@ impl Found {
         let printed = print(&shrunk.program, NAME);
         Some(Cause {
             key: shown.key(&operations, &shrunk.program),
+            operations: about(&shrunk.program).into_iter().map(str::to_owned).collect(),
             kind: shown.kind,
             on: shown.on.clone(),
             blamed: shown.blamed.clone(),
@@ -333,7 +374,7 @@ impl Found {
             *entry = (entry.0 + count, entry.1.min(first));
         }
         for cause in other.causes {
-            match self.causes.iter_mut().find(|known| known.key == cause.key) {
+            match self.causes.iter_mut().find(|known| known.is_like(&cause)) {
                 Some(known) => {
                     let count = known.count + cause.count;
                     if cause.program < known.program {

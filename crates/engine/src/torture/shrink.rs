@@ -366,6 +366,7 @@ fn literals(program: &Program) -> Vec<Program> {
 
 /// The program without what nothing uses: variables, helpers, inputs and structures; the rest is numbered anew.
 pub fn tidy(mut program: Program) -> Program {
+    ended(&mut program);
     loop {
         let before = program.size();
         unused_variables(&mut program);
@@ -377,6 +378,23 @@ pub fn tidy(mut program: Program) -> Program {
     unused_inputs(&mut program);
     unused_structures(&mut program);
     program
+}
+
+/// What comes behind an end that is always reached goes.
+fn ended(program: &mut Program) {
+    let end = |body: &mut Vec<Statement>| {
+        let at = body.iter().position(|s| matches!(s, Statement::Finish { .. }))?;
+        let last = body.drain(at..).next()?;
+        if let Statement::Finish { results } = last { Some(results) } else { None }
+    };
+    if let Some(results) = end(&mut program.body) {
+        program.results = results;
+    }
+    for helper in program.helpers.iter_mut().filter(|helper| helper.target.is_none()) {
+        if let Some(result) = end(&mut helper.body).and_then(|results| results.into_iter().next()) {
+            helper.result = result;
+        }
+    }
 }
 
 /// Variables that a program reads.

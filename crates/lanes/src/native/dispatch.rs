@@ -10,7 +10,7 @@ use ash::vk;
 
 use super::Job;
 use super::gpu::{Buffer, Gpu};
-use super::spirv::{Reflection, Variable};
+use super::spirv::{Reflection, Type, Variable};
 use crate::{Actual, LaneError, Marks, Runner, buffers};
 use base::value::Batch;
 use program::{BoundBuffer, OutputLayout, Program};
@@ -200,11 +200,34 @@ pub(super) fn bound(program: &Program, module: &[u32], all: &[BoundBuffer]) -> R
         let Some(variable) = reflection.of_storage(class).find(own).filter(|_| !name.is_empty()) else {
             return unsupported(format!("the buffer `{name}`, which is no block of what glslang gives"));
         };
+        if reflection.block_of(variable).is_some_and(|block| is_spread(&reflection, block)) {
+            return unsupported(format!("a matrix of two rows in `{name}`, whose columns std140 lays 16 bytes apart"));
+        }
         let of = |what| reflection.decoration(variable.id, what).unwrap_or(0);
         let (group, binding) = (of(Decoration::DescriptorSet), of(Decoration::Binding));
         Ok(BoundBuffer { group, binding, ..about.clone() })
     };
     all.iter().map(one).collect()
+}
+
+/// True for a structure with a matrix whose columns of two rows have gaps between them. The module from which buffers are
+/// filled has no word for such a matrix.
+fn is_spread(reflection: &Reflection, structure: u32) -> bool {
+    let Some(Type::Struct(members)) = reflection.types.get(&structure) else { return false };
+    members.iter().zip(0..).any(|(&member, k)| {
+        let mut ty = member;
+        while let Some(&Type::Array { element, .. }) = reflection.types.get(&ty) {
+            ty = element;
+        }
+        match reflection.types.get(&ty) {
+            Some(&Type::Matrix { column, .. }) => {
+                let stride = reflection.member_decoration(structure, k, Decoration::MatrixStride);
+                reflection.words(column) == 2 && stride.is_some_and(|stride| stride != 8)
+            }
+            Some(Type::Struct(_)) => is_spread(reflection, ty),
+            _ => false,
+        }
+    })
 }
 
 /// Refuses a module with something that no buffer is bound to.

@@ -219,7 +219,9 @@ impl Maker {
         let risky = |ty: &Type| matches!(ty, Type::Value(Scalar::Int | Scalar::Uint, _));
         let constant = arguments.iter().all(Expression::is_constant);
         let large = arguments.iter().any(is_large);
-        if self.in_language(Language::Wgsl) && constant && (large || risky(ty) || operation.name.starts_with("bits")) {
+        let refused = self.in_language(Language::Wgsl) && (large || risky(ty) || operation.name.starts_with("bits"));
+        let folded = !self.folds && operation.rounds();
+        if constant && (refused || folded) {
             let Some(first) = arguments.first_mut() else { return };
             if let Some(read) = self.unknown(&first.ty.clone()) {
                 *first = match guards.first() {

@@ -25,6 +25,7 @@ pub fn generate(seed: u64, index: u64, wish: Wish) -> Program {
         3 => Form::Compute,
         _ => Form::Function,
     };
+    let folds = stream.one_in(3);
     let program = Program {
         language,
         form,
@@ -34,7 +35,7 @@ pub fn generate(seed: u64, index: u64, wish: Wish) -> Program {
         body: Vec::new(),
         results: Vec::new(),
     };
-    let mut maker = Maker { stream, program, scope: Vec::new(), next: 0, calls: 0 };
+    let mut maker = Maker { stream, program, scope: Vec::new(), next: 0, folds, calls: 0 };
     maker.whole();
     super::shrink::unused_inputs(&mut maker.program);
     maker.program
@@ -55,6 +56,8 @@ struct Maker {
     scope: Vec<Known>,
     /// Number of the next local variable.
     next: u32,
+    /// Whether floats are computed of constants alone: what drivers fold, and readers of translations.
+    folds: bool,
     /// Calls of helpers so far: each enlarges what is run.
     calls: usize,
 }
