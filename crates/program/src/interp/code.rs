@@ -12,6 +12,7 @@ use super::domain::{Binary, Class, Comparison, FromWords, Site, ToWords, Unary, 
 use super::group::{Extent, MemoryAccess, MemoryShape, Subgroup};
 use super::meaning::HazardKind;
 use super::rearrange::Draft;
+use crate::Written;
 use base::value::Scalar;
 
 /// Number of a register within its file.
@@ -526,8 +527,8 @@ pub struct Executable {
     pub(super) max_vertices: Option<u32>,
     /// Contents of textures: four words a texel.
     pub(super) tables: Vec<Arc<[u32]>>,
-    /// The language says what operations on whole numbers give for all operands.
-    pub(super) words_defined: bool,
+    /// Whose rules tell which operations have a value.
+    pub(super) written: Written,
     /// The body before its temporaries share registers.
     pub(super) draft: Arc<Draft>,
     /// Memory that invocations share, in the order of [`Subject::shared`](super::Subject::shared).

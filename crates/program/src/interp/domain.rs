@@ -274,9 +274,9 @@ pub enum Class {
 /// From a real number to a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ToWords {
-    /// Signed integer: towards 0, clamped to the range; 0 for NaN.
+    /// Signed integer: towards 0, clamped to the binary32 numbers of the range; 0 for NaN.
     Signed,
-    /// Unsigned integer: towards 0, clamped to the range; 0 for NaN.
+    /// Unsigned integer: towards 0, clamped to the binary32 numbers of the range; 0 for NaN.
     Unsigned,
     /// The bits of the nearest binary32.
     Bits,

@@ -27,6 +27,8 @@ pub enum Guarded {
     Clamp,
     /// `smoothstep(x, y, v)`, x ≥ y.
     SmoothStep,
+    /// `pack2x16float(x)` and `quantizeToF16(x)` of WGSL, |x| beyond the finite numbers of binary16.
+    Half,
 }
 
 impl Guarded {
@@ -43,6 +45,7 @@ impl Guarded {
             Self::Atan2 => x == 0.0 && y == 0.0,
             Self::Clamp => x > y,
             Self::SmoothStep => x >= y,
+            Self::Half => x.abs() > 65504.0,
         }
     }
 }

@@ -10,6 +10,7 @@ use super::integer;
 use super::meaning::{Finding, Flags, HazardKind};
 use super::slots::{Mask, SLOTS, Words};
 use super::undefined::{Operand, Probe, Undefined};
+use crate::Written;
 use crate::lane::interrupt;
 use base::value::{Batch, Scalar};
 
@@ -241,7 +242,10 @@ impl<'e, D: Domain> Machine<'e, D> {
             }
             Inst::ToWords { op, to, a, site } => {
                 let (from, out) = (&self.reals[*a as usize], &mut self.words[*to as usize]);
-                let outside = self.domain.words_of(*site, *op, &self.active, from, out);
+                let mut outside = self.domain.words_of(*site, *op, &self.active, from, out);
+                if self.executable.written == Written::Wgsl && !outside.is_empty() {
+                    outside = outside.and(Mask::where_(|slot| self.domain.shown(from, slot).is_nan()));
+                }
                 let to = Register { scalar: Scalar::I32, reg: *to };
                 let found = Undefined { kind: HazardKind::Conversion, site: *site, what: None };
                 self.undefined(found, outside, Some(to), [Operand::Real(*a), Operand::None]);

@@ -36,7 +36,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::lane::interrupt;
-use crate::{Place as Found, Port, Program, ReadBack, Written};
+use crate::{Place as Found, Port, Program, ReadBack};
 use base::value::{Batch, Scalar};
 
 #[cfg(test)]
@@ -170,7 +170,7 @@ fn compile_as(program: &Program, lowered: bool) -> Result<Executable, InterpErro
         manners: Some(&program.manners),
         lowered,
     })?;
-    Ok(Executable { words_defined: program.written != Written::Glsl, ..executable })
+    Ok(Executable { written: program.written, ..executable })
 }
 
 /// Compiles the compute stage of a program as a dispatch runs it: all that is in buffers, in the memory of a workgroup or
@@ -218,7 +218,7 @@ fn compile_memory(
         manners: Some(&program.manners),
         lowered: false,
     })?;
-    Ok(Executable { words_defined: program.written != Written::Glsl, ..executable })
+    Ok(Executable { written: program.written, ..executable })
 }
 
 /// Compiles a translation that was read back.

@@ -274,13 +274,18 @@ fn narrow<T: Number>(site: Site, active: &Mask, out: &mut Column<T>) {
 /// are the same.
 const WORTH_A_COLUMN: usize = SLOTS / 8;
 
+/// The largest binary32 numbers that are integers of 32 bits: 2^31 − 2^7 and 2^32 − 2^8.
+const LARGEST_SIGNED: f64 = 2_147_483_520.0;
+const LARGEST_UNSIGNED: f64 = 4_294_967_040.0;
+
 /// Converts numbers to words. Gives the slots whose value does not fit.
 pub fn to_words(op: ToWords, a: &[f64; SLOTS], out: &mut Words) -> Mask {
     for (out, &x) in out.iter_mut().zip(a) {
-        // `as` clamps and takes NaN to 0.
+        // `as` clamps and takes NaN to 0. Too large numbers become the largest binary32 that fits (WGSL, 15.7.6, since
+        // February 2025), which is below the largest integer.
         *out = match op {
-            ToWords::Signed => (x as i32).cast_unsigned(),
-            ToWords::Unsigned => x as u32,
+            ToWords::Signed => ((if x > LARGEST_SIGNED { LARGEST_SIGNED } else { x }) as i32).cast_unsigned(),
+            ToWords::Unsigned => (if x > LARGEST_UNSIGNED { LARGEST_UNSIGNED } else { x }) as u32,
             ToWords::Bits => (x as f32).to_bits(),
             ToWords::HalfBits => u32::from(half::to_bits(x)),
             ToWords::FrexpExponent => frexp(x).1.cast_unsigned(),

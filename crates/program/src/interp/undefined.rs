@@ -13,6 +13,7 @@ use super::meaning::HazardKind;
 use super::plain::Binary64;
 use super::results::OutputColumn;
 use super::slots::{Mask, SLOTS};
+use crate::Written;
 use crate::lane::interrupt;
 use base::value::{Batch, Scalar};
 
@@ -76,8 +77,7 @@ impl<D: Domain> Machine<'_, D> {
     /// values are tried.
     pub(super) fn undefined(&mut self, of: Undefined, slots: Mask, to: Option<Register>, args: [Operand; 2]) {
         let slots = slots.and(self.active);
-        let defined = self.executable.words_defined && of.kind.is_defined_by_wgsl();
-        if slots.is_empty() || defined {
+        if slots.is_empty() || of.is_defined_in(self.executable.written) {
             return;
         }
         if of.kind.is_undefined() && self.probe.is_some() {
@@ -277,6 +277,21 @@ impl Machine<'_, Binary64> {
 }
 
 impl Undefined {
+    /// True where a language says what the operation gives all the same.
+    fn is_defined_in(&self, written: Written) -> bool {
+        match (written, self.kind) {
+            // WGSL (17.9, `pack2x16float`, `quantizeToF16`): indeterminate. The conversion of GLSL and SPIR-V has infinity.
+            (_, HazardKind::Argument) => self.what == Some(Guarded::Half) && written != Written::Wgsl,
+            (Written::Glsl, _) => false,
+            // WGSL (15.7.6) clamps numbers and says of NaN alone that its value is indeterminate, which the machine sorts
+            // out. SPIR-V (`OpConvertFToS`) and HLSL leave the conversion of what does not fit undefined.
+            (_, HazardKind::Conversion) => false,
+            (Written::Wgsl | Written::SpirV | Written::SpirVAssembly | Written::Hlsl | Written::Slang, kind) => {
+                kind.is_defined_by_wgsl()
+            }
+        }
+    }
+
     /// True for one of these stores, outside of its array.
     pub fn strays(&self, stores: &HashSet<Site>) -> bool {
         self.kind == HazardKind::Index && stores.contains(&self.site)
@@ -324,6 +339,7 @@ fn outside(what: Guarded, x: f64, y: f64) -> String {
         Guarded::Pow if x < 0.0 => format!("`pow` of {x:?}, a negative base"),
         Guarded::Pow => format!("`pow` of 0 to the power of {y:?}, which is not above 0"),
         Guarded::Atan2 => "`atan` of 0, 0".to_owned(),
+        Guarded::Half => format!("{x:?} becomes a number of binary16, which ends at 65504"),
         Guarded::Clamp => format!("`clamp` with a lower end of {x:?} above the upper end of {y:?}"),
         Guarded::SmoothStep => {
             format!("`smoothstep` with edges {x:?} and {y:?}, the first of which is not below the second")

@@ -1,6 +1,6 @@
 //! Bit fields, packing and unpacking.
 
-use super::super::code::{Field, Inst, Register, Word2};
+use super::super::code::{Field, Guarded, Inst, Register, Word2};
 use super::super::domain::{Binary, FromWords, Site, ToWords, Unary};
 use super::Compiler;
 use super::math::Args;
@@ -73,8 +73,13 @@ impl Compiler<'_> {
     }
 
     pub(super) fn pack_halves(&mut self, site: Site, args: &Args) -> Vec<Register> {
-        let words: Vec<Register> =
-            args[0].iter().map(|&x| self.words_of(site, ToWords::HalfBits, x, Scalar::U32)).collect();
+        let words: Vec<Register> = args[0]
+            .iter()
+            .map(|&x| {
+                let x = self.guard(site, Guarded::Half, x, [x, x]);
+                self.words_of(site, ToWords::HalfBits, x, Scalar::U32)
+            })
+            .collect();
         vec![self.pack(&words, 16)]
     }
 

@@ -127,7 +127,7 @@ impl Compiler<'_> {
             Mf::Pow => guarded2(self, Binary::Pow, Guarded::Pow),
             Mf::Sqrt => guarded1(self, Unary::Sqrt, Guarded::Sqrt),
             Mf::InverseSqrt => guarded1(self, Unary::InverseSqrt, Guarded::InverseSqrt),
-            Mf::QuantizeToF16 => unary(self, Unary::Half),
+            Mf::QuantizeToF16 => guarded1(self, Unary::Half, Guarded::Half),
             Mf::Step => binary(self, Binary::Step),
             Mf::Fma => each(args, |v| {
                 let product = self.real2(site, Binary::Multiply, real(v[0])?, real(v[1])?);
@@ -201,7 +201,7 @@ impl Compiler<'_> {
 
     /// The result of a function, with a note of the slots in which it is undefined. Constants show here already
     /// that it never is.
-    fn guard(&mut self, site: Site, what: Guarded, from: Register, args: [Register; 2]) -> Register {
+    pub(super) fn guard(&mut self, site: Site, what: Guarded, from: Register, args: [Register; 2]) -> Register {
         let to = Register { reg: self.temporary(), ..from };
         let regs = args.map(|register| register.reg);
         match from.scalar {

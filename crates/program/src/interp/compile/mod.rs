@@ -31,6 +31,7 @@ use super::domain::{Site, WordSource};
 use super::group::Step;
 use super::meaning::HazardKind;
 use super::rearrange::Draft;
+use crate::Written;
 use crate::{Entry, Manners, PortAt, Texture};
 use base::value::Scalar;
 use layout::Layout;
@@ -214,7 +215,7 @@ impl<'m> Compiler<'m> {
                 unset: Default::default(),
                 max_vertices: subject.max_vertices,
                 tables: subject.textures.iter().map(|t| t.contents.words().clone()).collect(),
-                words_defined: false,
+                written: Written::Glsl,
                 draft: Arc::default(),
                 memories: Vec::new(),
                 numbers: Vec::new(),

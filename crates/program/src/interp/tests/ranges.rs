@@ -1,7 +1,8 @@
 //! What leaves the range of its type: the rules of WGSL, and a report.
 
-use super::super::{Binary64, HazardKind, Meaning};
+use super::super::{Binary64, Executable, HazardKind, Meaning};
 use super::support::{batch, compile, floats, ints, run, wgsl};
+use crate::Written;
 
 fn kinds(meaning: &Meaning<f64>, invocation: usize) -> Vec<HazardKind> {
     HazardKind::ALL.into_iter().filter(|&kind| meaning.flags(invocation).has(kind)).collect()
@@ -64,7 +65,7 @@ fn shifts_and_conversions_are_cut_and_reported() {
     let convert = wgsl("fn f(x: f32) -> vec2f { return vec2f(f32(i32(x)), f32(u32(x))); }");
     let rows = [floats(&[3e9]), floats(&[-2.0]), floats(&[f32::NAN]), floats(&[-0.5])];
     let meaning = run::<Binary64>(&convert, &rows);
-    assert_eq!(meaning.vertex(0, 0), [2_147_483_647.0, 3e9]);
+    assert_eq!(meaning.vertex(0, 0), [2_147_483_520.0, 3e9]);
     assert_eq!(meaning.vertex(1, 0), [-2.0, 0.0]);
     // GLSL leaves the conversion of every negative number to `uint` undefined (4.60, 5.4.1).
     for (k, reported) in [true, true, true, true].into_iter().enumerate() {
@@ -93,4 +94,51 @@ fn a_batch_for_another_program_is_refused() {
     let executable = compile(&wgsl("fn f(a: i32, b: i32) -> i32 { return a / b; }")).unwrap();
     let error = executable.run::<Binary64>(&batch(&[vec![1]]), 1).unwrap_err();
     assert_eq!(error.to_string(), "the batch has 1 words for each invocation, the program takes 2");
+}
+
+/// Findings of `f` in WGSL and in GLSL with one row of numbers, and the words of the first.
+fn in_both(text: &str, row: &[f32]) -> (Vec<HazardKind>, Vec<HazardKind>, Vec<f64>) {
+    let shader = wgsl(text);
+    let batch = batch(&[floats(row)]);
+    let run = |written: Written| {
+        let executable = Executable { written, ..compile(&shader).unwrap() };
+        let meaning = executable.run::<Binary64>(&batch, 1 << 20).unwrap();
+        (kinds(&meaning, 0), meaning.vertex(0, 0).to_vec())
+    };
+    let ((wgsl, words), (other, _)) = (run(Written::Wgsl), run(Written::Glsl));
+    (wgsl, other, words)
+}
+
+#[test]
+fn wgsl_clamps_conversions_to_binary32_and_leaves_nan_open() {
+    let text = "fn f(x: f32) -> vec2f { return vec2f(f32(i32(x)), f32(u32(x))); }";
+    for (x, kinds, words) in [
+        (3e9, vec![], [2_147_483_520.0, 3e9]),
+        (1e30, vec![], [2_147_483_520.0, 4_294_967_040.0]),
+        (2_147_483_648.0, vec![], [2_147_483_520.0, 2_147_483_648.0]),
+        (-1e30, vec![], [-2_147_483_648.0, 0.0]),
+        (f32::INFINITY, vec![], [2_147_483_520.0, 4_294_967_040.0]),
+        (f32::NAN, vec![HazardKind::Conversion], [0.0, 0.0]),
+    ] {
+        let found = in_both(text, &[x]);
+        assert_eq!((found.0, found.2), (kinds, words.to_vec()), "{x}");
+        assert_eq!(found.1, [HazardKind::Conversion], "GLSL, {x}");
+    }
+    let spirv = Executable { written: Written::Hlsl, ..compile(&wgsl(text)).unwrap() };
+    let meaning = spirv.run::<Binary64>(&batch(&[floats(&[3e9])]), 1).unwrap();
+    assert_eq!(kinds(&meaning, 0), [HazardKind::Conversion], "HLSL does not say");
+}
+
+#[test]
+fn what_does_not_fit_binary16_is_left_open_by_wgsl_alone() {
+    for text in [
+        "fn f(x: f32) -> f32 { return min(1.0, unpack2x16float(pack2x16float(vec2f(x, 0.0))).x); }",
+        "fn f(x: f32) -> f32 { return min(1.0, quantizeToF16(x)); }",
+    ] {
+        for (x, outside) in [(65504.0, false), (65505.0, true), (-70000.0, true), (f32::INFINITY, true), (0.5, false)] {
+            let (wgsl, glsl, _) = in_both(text, &[x]);
+            let expected = if outside { vec![HazardKind::Argument] } else { vec![] };
+            assert_eq!((wgsl, glsl), (expected, vec![]), "{text} at {x}");
+        }
+    }
 }
