@@ -6,10 +6,11 @@
 use std::collections::HashMap;
 
 use base::text::Span;
-use syntax::Shader;
 use syntax::ast::{ExprId, ExprKind, Precision, Unit};
 use syntax::precision::Precisions;
+use syntax::symbols::CallTarget;
 use syntax::types::ScalarType;
+use syntax::{BuiltinFunction, Shader};
 
 /// A precision of numbers, the least first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -42,6 +43,8 @@ pub struct Manner {
     pub grade: Grade,
     /// Its operands and rounding stay as they are written.
     pub precise: bool,
+    /// Halves are rounded in a direction that the implementation chooses: `round` of GLSL (4.60, 8.3).
+    pub ties: bool,
 }
 
 /// The manners of a program.
@@ -65,7 +68,9 @@ impl Manners {
             let real = shader.type_of(id).scalar() == Some(ScalarType::Float);
             let asks = matches!(expr.kind, ExprKind::Binary { .. } | ExprKind::Call { .. });
             if !matches!(expr.kind, ExprKind::Literal(_)) && (real || asks && precisions.of_expr(id).is_some()) {
-                all.value(expr.span, of_expr(precisions, id));
+                let ties =
+                    matches!(shader.callee(id), Some(CallTarget::Builtin(c)) if c.function == BuiltinFunction::Round);
+                all.value(expr.span, Manner { ties, ..of_expr(precisions, id) });
             }
             if matches!(expr.kind, ExprKind::Assign { .. }) {
                 all.store(expr.span, Grade::of(precisions.of_store(id)));
@@ -75,7 +80,7 @@ impl Manners {
         for (_, function) in shader.functions() {
             for param in &function.params {
                 if let Some(symbol) = param.symbol {
-                    all.value(param.span, Manner { grade: grade(symbol), precise: false });
+                    all.value(param.span, Manner { grade: grade(symbol), ..Manner::default() });
                 }
             }
         }
@@ -97,6 +102,7 @@ impl Manners {
         let found = self.values.entry(span).or_insert(manner);
         found.grade = found.grade.max(manner.grade);
         found.precise |= manner.precise;
+        found.ties |= manner.ties;
     }
 
     fn store(&mut self, span: Span, grade: Grade) {
@@ -126,7 +132,7 @@ impl Manners {
 }
 
 fn of_expr(precisions: &Precisions, id: ExprId) -> Manner {
-    Manner { grade: Grade::of(precisions.of_expr(id)), precise: precisions.is_precise(id) }
+    Manner { grade: Grade::of(precisions.of_expr(id)), precise: precisions.is_precise(id), ties: false }
 }
 
 /// Calls `f` for the variables of all declarations, those in functions included.

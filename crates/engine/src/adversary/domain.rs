@@ -238,7 +238,10 @@ impl Domain for Adversary {
 
     fn unary(&mut self, site: Site, op: Unary, active: &Mask, a: &Column, out: &mut Column) {
         if site.grade() != Grade::Full {
-            let at = Site::done(site, Manner { grade: Grade::Full, precise: site.is_precise() });
+            let at = Site::done(
+                site,
+                Manner { grade: Grade::Full, precise: site.is_precise(), ties: site.is_open_at_ties() },
+            );
             let own = self.operand(site, active, a);
             self.unary(at, op, active, own.as_ref().unwrap_or(a), out);
             // `normalize` ends with a product.
@@ -270,7 +273,10 @@ impl Domain for Adversary {
 
     fn binary(&mut self, site: Site, op: Binary, active: &Mask, a: &Column, b: &Column, out: &mut Column) {
         if site.grade() != Grade::Full {
-            let at = Site::done(site, Manner { grade: Grade::Full, precise: site.is_precise() });
+            let at = Site::done(
+                site,
+                Manner { grade: Grade::Full, precise: site.is_precise(), ties: site.is_open_at_ties() },
+            );
             let own = [a, b].map(|column| self.operand(site, active, column));
             self.binary(at, op, active, own[0].as_ref().unwrap_or(a), own[1].as_ref().unwrap_or(b), out);
             return self.lower(site, Some(binary_op(op)), active, a, out);

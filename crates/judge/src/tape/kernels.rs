@@ -28,13 +28,23 @@ pub(super) struct Closing {
     pub own: bool,
 }
 
-/// Error of one rounding of a value that is `v` exactly, and within `e` of it on a device.
+/// Error of one rounding of a value that is `v` but for `lost`, and within `e` of it on a device. `lost` is what
+/// binary64 itself rounded away: of 1 − 10^-20 it leaves 1, and either neighbour of the true value is right.
 #[inline(always)]
-pub(super) fn rounding(part: f64, v: f64, e: f64) -> f64 {
+pub(super) fn rounding(part: f64, v: f64, lost: f64, e: f64) -> f64 {
     // Exact arguments with a result that is a binary32 number: rounding leaves it.
-    let kept = (e == 0.0) & (f64::from(v as f32) == v);
+    let kept = (e == 0.0) & (lost == 0.0) & (f64::from(v as f32) == v);
     let moved = part * gap(v.abs() + e);
     if kept { 0.0 } else { moved }
+}
+
+/// What the binary64 sum `v` of x and y leaves out of the exact one (Knuth, The Art of Computer Programming 2, 4.2.2).
+/// Products of exact binary32 numbers are exact in binary64, and no quotient or root of them that is none is nearer to a
+/// binary32 number than 2^-48 of it: sums alone lose something that is not seen.
+#[inline(always)]
+pub(super) fn lost_by_sum(x: f64, y: f64, v: f64) -> f64 {
+    let rest = v - x;
+    (x - (v - rest)) + (y - rest)
 }
 
 /// A local error with what holds for every operation of a device: binary64 itself, flushed results,
@@ -63,7 +73,11 @@ pub(super) fn rounded_sum(
     closing: Closing,
     node: Node<'_>,
 ) -> bool {
-    rounded(closing, node, |slot| (signs.0 * x[slot] + signs.1 * y[slot], ex[slot] + ey[slot]))
+    rounded(closing, node, |slot| {
+        let (x, y) = (signs.0 * x[slot], signs.1 * y[slot]);
+        let v = x + y;
+        (v, lost_by_sum(x, y, v), ex[slot] + ey[slot])
+    })
 }
 
 /// The same for a product.
@@ -71,8 +85,9 @@ pub(super) fn rounded_sum(
 pub(super) fn rounded_product((x, ex): Pair<'_>, (y, ey): Pair<'_>, closing: Closing, node: Node<'_>) -> bool {
     let Node { value, radius, local } = node;
     let again = Node { value, radius, local };
-    let tiny =
-        rounded(closing, again, |slot| (x[slot] * y[slot], carried_by_product(x[slot], ex[slot], y[slot], ey[slot])));
+    let tiny = rounded(closing, again, |slot| {
+        (x[slot] * y[slot], 0.0, carried_by_product(x[slot], ex[slot], y[slot], ey[slot]))
+    });
     // 0 times what may be infinite is not 0: the derivative by that factor does not say so.
     for slot in 0..SLOTS {
         local[slot] = if radius[slot] < f64::INFINITY { local[slot] } else { f64::INFINITY };
@@ -93,12 +108,12 @@ pub(super) fn carried_by_product(x: f64, ex: f64, y: f64, ey: f64) -> f64 {
 }
 
 #[inline(always)]
-fn rounded(closing: Closing, Node { value, radius, local }: Node<'_>, of: impl Fn(usize) -> (f64, f64)) -> bool {
+fn rounded(closing: Closing, Node { value, radius, local }: Node<'_>, of: impl Fn(usize) -> (f64, f64, f64)) -> bool {
     let mut tiny = 0_u64;
     for slot in 0..SLOTS {
-        let (v, e) = of(slot);
+        let (v, lost, e) = of(slot);
         let e = or_infinite(e);
-        let (b, small) = finished(v, e, rounding(closing.part, v, e), closing.flushes);
+        let (b, small) = finished(v, e, rounding(closing.part, v, lost, e), closing.flushes);
         value[slot] = v;
         local[slot] = b;
         radius[slot] = if closing.own { e + b } else { e };

@@ -30,6 +30,7 @@ mod model;
 mod operations;
 mod paths;
 mod regroup;
+mod rounded;
 mod sweep;
 mod tangent;
 #[cfg(test)]
@@ -366,7 +367,10 @@ impl Domain for Tape<'_> {
         program::interp::to_words(op, &ends(1.0), &mut high);
         // A device turns coordinates into fixed point numbers of 32 bits, 8 of them within a texel.
         let far = |x: f64| !x.is_finite() || (absolute > 0.0 && x.abs() >= 8_388_608.0);
-        let lost = |slot: usize| e[slot].is_nan() || (texel && far(x[slot]));
+        let subnormal = |slot: usize| {
+            op == ToWords::HalfBits && rounded::may_flush(&self.model, x[slot], reach(slot), low[slot] | high[slot])
+        };
+        let lost = |slot: usize| e[slot].is_nan() || subnormal(slot) || (texel && far(x[slot]));
         // Between the exponents on both sides of zero lie all others, and that of zero itself.
         let around = |slot: usize| op == ToWords::FrexpExponent && e[slot] > 0.0 && x[slot].abs() <= e[slot];
         let lost: Vec<bool> = (0..SLOTS).map(|slot| lost(slot) || around(slot)).collect();
@@ -406,12 +410,19 @@ impl Domain for Tape<'_> {
             self.lower(id);
             self.bracket(id);
         }
+        if op == FromWords::HalfBits && matches!(self.model, Model::Device { .. }) {
+            self.halves(site, id);
+        }
         let id = self.unrounded(site, op, a, id);
         self.hold(out, id);
     }
 
     fn doubt(&mut self, site: Site, slots: &Mask) {
         self.note_fork(site, slots.slots());
+    }
+
+    fn shown(&self, column: &Column, slot: usize) -> f64 {
+        self.values(Column(self.id(column)))[slot]
     }
 
     fn outside(&self, what: Guarded, active: &Mask, x: &Column, y: &Column) -> Mask {

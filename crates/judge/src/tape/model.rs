@@ -129,14 +129,15 @@ impl<'p> Model<'p> {
             }
             return;
         };
+        let lost = lost(op, args, value);
         match profile.entry(op) {
             Entry::Promised(pieces) => match &pieces[..] {
                 [Piece { rule, domain }] if domain.is_empty() => {
-                    promised(profile, *rule, args, value, carried, local);
+                    promised(profile, *rule, &lost, args, value, carried, local);
                 }
-                pieces => pieced(profile, pieces, args, value, carried, local),
+                pieces => pieced(profile, pieces, &lost, args, value, carried, local),
             },
-            Entry::Measured(_) => measured(profile, op, stage, args, value, carried, local),
+            Entry::Measured(_) => measured(profile, (op, stage), &lost, args, value, carried, local),
         }
     }
 
@@ -173,8 +174,76 @@ fn part(rounding: Rounding) -> f64 {
     }
 }
 
+/// What binary64 may have lost of the results of an operation where nothing shows it: 0 where none is, or where a result
+/// is off in a way that shows. Zero for all operations that round exact arguments as [`kernels::lost_by_sum`] says.
+fn lost(op: Op, args: &[Arg<'_>], value: &Slots) -> Slots {
+    let mut out = [0.0; SLOTS];
+    match (op, args) {
+        (Op::Add | Op::Sub, [x, y]) => {
+            // The value is that of ±x ± y: the signs are those that give it.
+            number::wide(|| {
+                for slot in 0..SLOTS {
+                    let (x, y, v) = (x.value[slot], y.value[slot], value[slot]);
+                    let least = |a: f64, b: f64| if a.abs() < b.abs() { a } else { b };
+                    let all = [(x, y), (x, -y), (-x, y), (-x, -y)];
+                    let fits = all.map(|(x, y)| if x + y == v { kernels::lost_by_sum(x, y, v) } else { f64::INFINITY });
+                    out[slot] = fits.into_iter().fold(f64::INFINITY, least);
+                }
+            });
+        }
+        (Op::Fract, [x, ..]) => {
+            number::wide(|| {
+                for slot in 0..SLOTS {
+                    let x = x.value[slot];
+                    out[slot] = kernels::lost_by_sum(x, -x.floor(), value[slot]);
+                }
+            });
+        }
+        // Functions whose values are of no such form: next to a binary32 number they may be off it by less than binary64
+        // tells, as e^x is next to 1.
+        (
+            Op::InverseSqrt
+            | Op::Radians
+            | Op::Degrees
+            | Op::Sin
+            | Op::Cos
+            | Op::Tan
+            | Op::Asin
+            | Op::Acos
+            | Op::Atan
+            | Op::Atan2
+            | Op::Sinh
+            | Op::Cosh
+            | Op::Tanh
+            | Op::Asinh
+            | Op::Acosh
+            | Op::Atanh
+            | Op::Exp
+            | Op::Exp2
+            | Op::Log
+            | Op::Log2
+            | Op::Pow,
+            _,
+        ) => number::wide(|| {
+            for slot in 0..SLOTS {
+                out[slot] = value[slot] * BINARY64;
+            }
+        }),
+        _ => {}
+    }
+    out
+}
+
 /// One rule for all arguments.
-fn promised(profile: &Profile, rule: Rule, args: &[Arg<'_>], value: &Slots, carried: &Slots, local: &mut Slots) {
+fn promised(
+    profile: &Profile,
+    rule: Rule,
+    lost: &Slots,
+    args: &[Arg<'_>],
+    value: &Slots,
+    carried: &Slots,
+    local: &mut Slots,
+) {
     let outward = if profile.acceptance == Acceptance::Outward { 1.0 } else { 0.0 };
     match rule {
         Rule::Exact => local.fill(0.0),
@@ -182,7 +251,7 @@ fn promised(profile: &Profile, rule: Rule, args: &[Arg<'_>], value: &Slots, carr
             let part = part(profile.rounding);
             number::wide(|| {
                 for slot in 0..SLOTS {
-                    local[slot] = rounding(part, value[slot], carried[slot]);
+                    local[slot] = rounding(part, value[slot], lost[slot], carried[slot]);
                 }
             });
         }
@@ -210,12 +279,20 @@ fn promised(profile: &Profile, rule: Rule, args: &[Arg<'_>], value: &Slots, carr
 }
 
 /// Rules by the range of the arguments: the largest of those that may hold within the radius.
-fn pieced(profile: &Profile, pieces: &[Piece], args: &[Arg<'_>], value: &Slots, carried: &Slots, local: &mut Slots) {
+fn pieced(
+    profile: &Profile,
+    pieces: &[Piece],
+    lost: &Slots,
+    args: &[Arg<'_>],
+    value: &Slots,
+    carried: &Slots,
+    local: &mut Slots,
+) {
     let mut part = [0.0; SLOTS];
     let mut open = [true; SLOTS];
     local.fill(0.0);
     for (k, piece) in pieces.iter().enumerate() {
-        promised(profile, piece.rule, args, value, carried, &mut part);
+        promised(profile, piece.rule, lost, args, value, carried, &mut part);
         let (touches, covers) = places(piece, args);
         if k == 0 && covers.iter().all(|covers| *covers) {
             *local = part;
@@ -274,8 +351,8 @@ fn boxed(args: &[Arg<'_>], slot: usize) -> [Interval; 2] {
 /// Errors as they were measured, at the ends of what the arguments may be.
 fn measured(
     profile: &Profile,
-    op: Op,
-    stage: Stage,
+    (op, stage): (Op, Stage),
+    lost: &Slots,
     args: &[Arg<'_>],
     value: &Slots,
     carried: &Slots,
@@ -284,7 +361,7 @@ fn measured(
     if let (Op::Add | Op::Sub | Op::Mul, Entry::Measured(table)) = (op, profile.entry(op))
         && table.rounds()
     {
-        return halves(profile.flush(stage) != Flush::Never, args, value, carried, local);
+        return halves(profile.flush(stage) != Flush::Never, lost, args, value, carried, local);
     }
     for slot in 0..SLOTS {
         let ranges = boxed(args, slot);
@@ -296,6 +373,7 @@ fn measured(
         let rounded = carried[slot] == 0.0
             && args.iter().all(|arg| arg.radius[slot] == 0.0)
             && f64::from(value[slot] as f32) == value[slot]
+            && lost[slot] == 0.0
             && matches!(op, Op::Add | Op::Sub | Op::Mul);
         local[slot] = if rounded {
             0.0
@@ -308,7 +386,7 @@ fn measured(
 }
 
 /// [`measured`] for sums and products that are rounded to nearest.
-fn halves(flushes: bool, args: &[Arg<'_>], value: &Slots, carried: &Slots, local: &mut Slots) {
+fn halves(flushes: bool, lost: &Slots, args: &[Arg<'_>], value: &Slots, carried: &Slots, local: &mut Slots) {
     let mut sure = [0.0; SLOTS];
     for arg in args {
         number::wide(|| sure.iter_mut().zip(arg.radius).for_each(|(sum, e)| *sum += e));
@@ -316,7 +394,7 @@ fn halves(flushes: bool, args: &[Arg<'_>], value: &Slots, carried: &Slots, local
     number::wide(|| {
         for slot in 0..SLOTS {
             let (v, exact) = (value[slot], value[slot].abs() + carried[slot]);
-            let kept = (carried[slot] == 0.0) & (sure[slot] == 0.0) & (f64::from(v as f32) == v);
+            let kept = (carried[slot] == 0.0) & (sure[slot] == 0.0) & (lost[slot] == 0.0) & (f64::from(v as f32) == v);
             let half = 0.5 * gap(exact);
             let flushed = half.max(exact);
             let half = if flushes & (exact - half < MIN_NORMAL) { flushed } else { half };
@@ -341,14 +419,15 @@ mod tests {
         let value: Slots = std::array::from_fn(|slot| x[slot] + y[slot]);
         let args = [Arg { value: &x, radius: &radius }, Arg { value: &y, radius: &[0.0; SLOTS] }];
         let mut local = [0.0; SLOTS];
-        measured(profile, Op::Add, Stage::Vertex, &args, &value, &radius, &mut local);
+        let lost = lost(Op::Add, &args, &value);
+        measured(profile, (Op::Add, Stage::Vertex), &lost, &args, &value, &radius, &mut local);
         for slot in 0..SLOTS {
             let exact = value[slot].abs() + radius[slot];
             let at = |x: f64| match profile.allowed(Op::Add, &[x, y[slot]], exact, Stage::Vertex) {
                 Allowed::Bound(bound) => bound,
                 _ => f64::INFINITY,
             };
-            let kept = radius[slot] == 0.0 && f64::from(value[slot] as f32) == value[slot];
+            let kept = radius[slot] == 0.0 && lost[slot] == 0.0 && f64::from(value[slot] as f32) == value[slot];
             let slow = if kept { 0.0 } else { at(x[slot] - radius[slot]).max(at(x[slot] + radius[slot])) };
             assert_eq!(local[slot], slow, "{} ± {} and {}", x[slot], radius[slot], y[slot]);
         }

@@ -8,6 +8,7 @@ use super::inherited::{at_zero, power, power_at_zero, root_by_inverse};
 use super::kernels::{self, Node, Out1, Out2, or_infinite, reach};
 use super::model::Arg;
 use super::paths::Step;
+use super::rounded::either_side;
 use crate::profile::grid::MIN_NORMAL;
 use crate::profile::{Definition, Op};
 
@@ -242,42 +243,6 @@ impl Tape<'_> {
         self.identity(Some(site), Some(op), a, &local)
     }
 
-    /// The nearest binary16.
-    fn half(&mut self, site: Site, a: Id) -> Id {
-        if self.leaves_half_out(site) {
-            return a;
-        }
-        let before = *self.arena.value.get(a as usize);
-        let mut values = before;
-        program::interp::to_half(&mut values);
-        // To either neighbour, of the exact value or of the device's.
-        let error: Slots = std::array::from_fn(|slot| {
-            (values[slot] - before[slot]).abs() + 2f64.powi(-10) * before[slot].abs() + 2f64.powi(-24)
-        });
-        let id = self.identity(Some(site), Some(Op::Convert), a, &error);
-        *self.arena.value.get_mut(id as usize) = values;
-        self.bracket(id);
-        id
-    }
-
-    /// x·2^-e with the exponent of the exact value; a device may have the neighbouring one.
-    fn frexp_fraction(&mut self, site: Site, a: Id) -> Id {
-        let at = a as usize;
-        let (x, e) = (*self.arena.value.get(at), *self.arena.radius.get(at));
-        let exponent = |x: f64| if x == 0.0 || !x.is_finite() { 0.0 } else { x.abs().log2().floor() + 1.0 };
-        let factor = self.leaf(|v| {
-            for (v, x) in v.iter_mut().zip(&x) {
-                *v = (-exponent(*x)).exp2();
-            }
-        });
-        let id = self.product(site, Op::Ldexp, a, factor);
-        let doubt: Slots = std::array::from_fn(|slot| {
-            let same = exponent(x[slot] - e[slot]) == exponent(x[slot] + e[slot]);
-            if same { 0.0 } else { 1.0 }
-        });
-        self.identity(Some(site), Some(Op::Ldexp), id, &doubt)
-    }
-
     /// ±a ± b.
     pub(super) fn sum(&mut self, site: Option<Site>, op: Op, a: Id, b: Id, signs: (f64, f64)) -> Id {
         let nodes = &self.arena.nodes;
@@ -389,7 +354,8 @@ impl Tape<'_> {
     /// A function of one number as a node of its own.
     fn one(&mut self, site: Site, op: Op, active: &Mask, a: Id) -> Id {
         let flushes = self.model.flushes() && self.arena.nodes[a as usize].tiny;
-        let steps = self.steps(op, active, a, flushes);
+        let open = self.is_open_at_ties(site);
+        let steps = self.steps((site, op), active, a, flushes);
         let partial = self.arena.partial();
         let not_negative = self.arena.nodes[a as usize].not_negative;
         let keeps = matches!(op, Op::Abs | Op::Sqrt | Op::InverseSqrt | Op::Exp | Op::Exp2 | Op::Cosh | Op::Fract);
@@ -400,6 +366,13 @@ impl Tape<'_> {
         let (before, value) = self.arena.value.split(at);
         let (radii, carried) = self.arena.radius.split(at);
         let (x, ex) = (before.get(a as usize), radii.get(a as usize));
+        let halves;
+        let ex = if open {
+            halves = either_side(x, ex);
+            &halves
+        } else {
+            ex
+        };
         let (slope, bend) = self.arena.partials.pair_mut(2 * partial as usize);
         let mut out = Out1 { value, moves: carried, slope, bend };
         if active.count() < WORTH_A_COLUMN || !column1(op, (x, ex), flushes, not_negative, &mut out) {

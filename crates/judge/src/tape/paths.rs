@@ -87,12 +87,13 @@ impl Tape<'_> {
 
     /// Values of a function with steps in slots that follow a path and come out on either side of one, with the movement that
     /// is left. Slots that are not followed are left out.
-    pub(super) fn steps(&mut self, op: Op, active: &Mask, a: Id, flushes: bool) -> Vec<Step> {
+    pub(super) fn steps(&mut self, (site, op): (Site, Op), active: &Mask, a: Id, flushes: bool) -> Vec<Step> {
         if self.paths.is_none() || !has_steps(op) || op == Op::Step {
             return Vec::new();
         }
         let at = a as usize;
         let (x, e): (Slots, Slots) = (*self.arena.value.get(at), *self.arena.radius.get(at));
+        let e = if self.is_open_at_ties(site) { either_side(&x, &e) } else { e };
         let mut all = Vec::new();
         for slot in active.slots() {
             let (x, e) = (x[slot], reach(x[slot], e[slot], flushes));

@@ -36,7 +36,18 @@ impl Site {
             Grade::Low => 2 << 28,
             Grade::Half => 3 << 28,
         };
-        Self(self.0 & NUMBER | grade | u32::from(manner.precise) << 30)
+        Self(self.0 & NUMBER | grade | u32::from(manner.precise) << 30 | u32::from(manner.ties) << 31)
+    }
+
+    /// The same place, with an operation that rounds halves in a direction that the implementation chooses.
+    #[must_use]
+    pub fn open_at_ties(self) -> Self {
+        Self(self.0 | 1 << 31)
+    }
+
+    /// True where the implementation chooses the direction in which halves are rounded.
+    pub fn is_open_at_ties(self) -> bool {
+        self.0 >> 31 == 1
     }
 
     /// Number of the site, counted from 0 in each executable.

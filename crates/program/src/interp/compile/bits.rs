@@ -36,6 +36,9 @@ impl Compiler<'_> {
     }
 
     /// WGSL, 17.9: ⌊½ + s·clamp(x)⌋ with s = 2^(width − 1) − 1 and [−1, 1], or 2^width − 1 and [0, 1].
+    ///
+    /// GLSL (4.60, 8.4) and SPIR-V (`PackSnorm4x8`) say `round(s·clamp(x))`, and leave the direction of halves to the
+    /// implementation. What WGSL is translated to says so too: its lanes get a function that is open there.
     pub(super) fn pack_fractions(&mut self, site: Site, args: &Args, width: u32, signed: bool) -> Vec<Register> {
         let low = self.real(if signed { -1.0 } else { 0.0 }, None);
         let (one, half) = (self.real(1.0, None), self.real(0.5, None));
@@ -47,7 +50,7 @@ impl Compiler<'_> {
                 let clamped = self.real2(site, Binary::Min, raised, one);
                 let scaled = self.real2(site, Binary::Multiply, clamped, scale);
                 let shifted = self.real2(site, Binary::Add, scaled, half);
-                let rounded = self.real1(site, Unary::Floor, shifted);
+                let rounded = self.real1(site.open_at_ties(), Unary::Floor, shifted);
                 self.words_of(site, ToWords::Signed, rounded, Scalar::I32)
             })
             .collect();

@@ -63,6 +63,6 @@ impl<'m> Compiler<'m> {
     pub(super) fn written(&mut self, frame: &Frame<'m>, span: naga::Span) -> Option<Site> {
         let manners = self.subject.manners.filter(|_| self.subject.lowered)?;
         let grade = manners.written_at(super::super::source_span(span)?);
-        (grade != Grade::Full).then(|| self.declared(frame.handle, span).done(Manner { grade, precise: false }))
+        (grade != Grade::Full).then(|| self.declared(frame.handle, span).done(Manner { grade, ..Manner::default() }))
     }
 }
