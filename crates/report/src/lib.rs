@@ -25,3 +25,4 @@ mod sarif;
 pub mod torture;
 #[cfg(feature = "run")]
 pub mod tune;
+mod word;

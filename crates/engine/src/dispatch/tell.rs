@@ -270,6 +270,7 @@ impl Dispatched {
             output: None,
             meaning: None,
             found: None,
+            scalar: Scalar::F32,
             condition: None,
             worst: None,
             also: Vec::new(),

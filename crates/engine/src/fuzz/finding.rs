@@ -2,6 +2,7 @@
 
 use super::domain::{Law, Standing};
 use crate::InputValue;
+use base::value::Scalar;
 use judge::verdict::diagnosis::{Diagnosis, Place};
 use judge::verdict::{BatchVerdict, Reason};
 use lanes::LaneName;
@@ -227,6 +228,9 @@ pub struct Finding {
     pub meaning: Option<f64>,
     /// Bits of what binary32, or the lane, gives.
     pub found: Option<u32>,
+    /// As what these bits are read.
+    #[serde(default = "real")]
+    pub scalar: Scalar,
     /// By how much the operation enlarges relative errors.
     #[serde(with = "base::value::exact::option")]
     pub condition: Option<f64>,
@@ -244,6 +248,11 @@ pub struct Finding {
     /// True for a deviation of a lane that comes from the translator which this tool puts between a text and a driver.
     #[serde(default)]
     pub own_translator: bool,
+}
+
+/// What outputs are where nothing else is said.
+fn real() -> Scalar {
+    Scalar::F32
 }
 
 impl Finding {

@@ -204,6 +204,7 @@ impl<'a> OnLane<'a> {
             output: None,
             meaning: None,
             found: None,
+            scalar: Scalar::F32,
             condition: None,
             worst: None,
             also: Vec::new(),
@@ -375,6 +376,7 @@ impl<'a> OnLane<'a> {
                 output: Some(output.clone()),
                 meaning: deviation.value().map(|v| v.meaning),
                 found: deviation.value().map(|v| v.actual),
+                scalar: deviation.value().map_or(Scalar::F32, |v| v.scalar),
                 diagnosis: Some(diagnosis),
                 reproduce: Some(reproduce(&sample)),
                 ..blank(FuzzFindingKind::LaneDeviation, deviation.to_string())

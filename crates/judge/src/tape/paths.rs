@@ -10,6 +10,7 @@ use super::Tape;
 use super::arena::{Id, NodeKind, Slots};
 use super::functions::{image1, image2};
 use super::kernels::reach;
+use super::rounded::either_side;
 use crate::profile::Op;
 use program::interp::{Mask, SLOTS, Site, ToWords};
 

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::text::Style;
+use crate::word::word;
 use base::value::{F32Bits, Scalar};
 use engine::suite::run::{Case, Finding};
 use judge::verdict::diagnosis::{CrossCheck, Diagnosis, Place, Stand};
@@ -192,13 +193,18 @@ fn origins(text: &mut String, diagnosis: &Diagnosis) {
 
 /// A component on all sides.
 fn sides(text: &mut String, against: &str, deviation: &Deviation, value: &Value) {
-    let Value { component, expected, meaning, actual, bound, .. } = value;
+    let Value { component, expected, meaning, actual, scalar, bound, .. } = value;
     if let Some(expected) = expected {
         let _ = writeln!(text, "  {against:<9}  {component} = {expected:?}");
     }
     let allowed = if deviation.blame == Blame::Lane { format!(" ± {bound:.1e}") } else { String::new() };
     let _ = writeln!(text, "  shader     {component} = {meaning:?}{allowed}");
     let bits = F32Bits(*actual);
+    if *scalar != Scalar::F32 {
+        // Integers are right or wrong: how far they are off in ULP of binary32 says nothing.
+        let _ = writeln!(text, "  lane       {component} = {}", word(*actual, *scalar));
+        return;
+    }
     let _ = writeln!(text, "  lane       {component} = {bits} (0x{actual:08x}, {})", bits.to_hex_float());
     let found = match deviation.blame {
         Blame::Shader => *meaning,

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 
 use super::{FileReport, Summary};
 use crate::diagnostics;
+use crate::word::word;
 use base::diagnostic::Lang;
-use base::value::F32Bits;
 use engine::InputValue;
 use engine::fuzz::{Finding, FunctionReport, FuzzFindingKind, LaneReport, Part, Severity};
 use judge::verdict::diagnosis::Place;
@@ -229,7 +229,7 @@ fn one(text: &mut String, function: &FunctionReport, finding: &Finding, color: b
         let _ = writeln!(text, "  worst      relative error {error:.1e}: {}", all.join("; "));
     }
     if let (Some(output), Some(found), Some(lane)) = (&finding.output, finding.found, finding.lane) {
-        let _ = writeln!(text, "  {lane:<10} {output} = {:?}", F32Bits(found));
+        let _ = writeln!(text, "  {lane:<10} {output} = {}", word(found, finding.scalar));
     }
     if let Some(diagnosis) = &finding.diagnosis {
         if let Some(origin) = &diagnosis.origin {

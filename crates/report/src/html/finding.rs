@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use super::text::{Message, count, number};
+use crate::word::word;
 use base::value::{F32Bits, Scalar};
 use engine::suite::run::{Case, Finding, FindingKind, Report};
 use judge::verdict::diagnosis::{Diagnosis, Divergence, Fault, Stand};
@@ -140,7 +141,7 @@ fn sides(case: &Case) -> Markup {
                 (row("lane gave", &format!("{bits}   0x{actual:08x}   {}", bits.to_hex_float())))
                 @if let Some(off) = off(deviation, value) { (row("off by", &off)) }
             } @else {
-                (row("lane gave", &format!("0x{actual:08x}")))
+                (row("lane gave", &word(*actual, *scalar)))
             }
         }
     }

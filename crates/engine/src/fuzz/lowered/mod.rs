@@ -20,7 +20,7 @@ use super::scan::{Look, ROUNDS};
 use super::subject::Ready;
 use crate::InputValue;
 use crate::activity::shrink;
-use base::value::Batch;
+use base::value::{Batch, Scalar};
 use beside::LARGEST;
 pub(crate) use beside::{Beside, Event, Harm, Narrowing};
 use lanes::interrupt;
@@ -176,6 +176,7 @@ impl<'a> Lowered<'a> {
                 output: Some(output),
                 meaning: Some(f64::from(harmed.wide)),
                 found: Some(harmed.lowered.to_bits()),
+                scalar: Scalar::F32,
                 condition: None,
                 worst: None,
                 also: Vec::new(),

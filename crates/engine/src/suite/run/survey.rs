@@ -25,10 +25,11 @@ fn quality(survey: &Survey) -> Option<Finding> {
     Some(Finding { kind: FindingKind::Quality, message, case: None, count: survey.beyond, reproduce: None })
 }
 
-/// The bounds are so wide that hardly anything would be outside.
+/// The bounds are so wide that hardly anything would be outside. Where every word came as it is in real numbers, the
+/// output is one that no rounding touches, and says nothing about bounds.
 fn vacuous_bound(survey: &Survey) -> Option<Finding> {
     let tightest = survey.tightest();
-    let worst = tightest.worst.as_ref().filter(|_| tightest.is_vacuous())?;
+    let worst = tightest.worst.as_ref().filter(|worst| worst.error > 0.0 && tightest.is_vacuous())?;
     let remedy = match survey.measured {
         Some(_) => "the profile may be of another device",
         None => "measure the device with `shadercheck calibrate`, and give the profile to --profile",

@@ -1,0 +1,35 @@
+//! Words of outputs as what they are.
+
+use base::value::{F32Bits, Scalar};
+
+/// A word with its bits: a number, an integer or a truth value, as its type says.
+pub(crate) fn word(bits: u32, scalar: Scalar) -> String {
+    match scalar {
+        Scalar::F32 => format!("{:?}", F32Bits(bits)),
+        Scalar::I32 => format!("{} (0x{bits:08x})", bits.cast_signed()),
+        Scalar::U32 => format!("{bits} (0x{bits:08x})"),
+        Scalar::Bool if bits <= 1 => (bits == 1).to_string(),
+        Scalar::Bool => format!("0x{bits:08x}, where true is 1"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_what_their_type_says() {
+        for (bits, scalar, shown) in [
+            (0x3f80_0000, Scalar::F32, "1.0 (0x3f800000)"),
+            (9, Scalar::I32, "9 (0x00000009)"),
+            (0xffff_ffff, Scalar::I32, "-1 (0xffffffff)"),
+            (0xffff_ffff, Scalar::U32, "4294967295 (0xffffffff)"),
+            (0x7fff_ff80, Scalar::I32, "2147483520 (0x7fffff80)"),
+            (1, Scalar::Bool, "true"),
+            (0, Scalar::Bool, "false"),
+            (7, Scalar::Bool, "0x00000007, where true is 1"),
+        ] {
+            assert_eq!(word(bits, scalar), shown);
+        }
+    }
+}
