@@ -58,7 +58,8 @@ Where it takes other inputs, it is a note; so it is for numbers of a \
 stated range that are nearer to 0 than 2^-64 of it, or beyond 1024 where it has no end. With --hostile and \
 --case, inputs of ordinary size make findings. Outputs that are themselves \
 too large, indices, integers and loops without end are findings only where every input has a stated \
-domain. A function that loses digits (ill-conditioned) gets a warning.
+domain; a signed sum or product that wraps is a note without --strict-integers. A function that loses digits \
+(ill-conditioned) gets a warning.
 
 Exit status: 0 no finding; 1 findings, or a file that does not compile; 2 usage, a lane of --lane that is \
 unavailable, or nothing could be run.")]
@@ -94,6 +95,9 @@ pub struct FuzzArgs {
     /// Treat all inputs alike: ordinary sizes, special values and extremes, whatever they are taken for
     #[arg(long)]
     pub hostile: bool,
+    /// Also count sums and products of signed integers that do not fit 32 bits, which languages let wrap
+    #[arg(long)]
+    pub strict_integers: bool,
     /// Write a first suite for each function that ran beside its file; never over one that is there
     #[arg(long)]
     pub write_suite: bool,
@@ -352,6 +356,7 @@ fn one_function(
         case: args.case.clone(),
         notes: args.notes,
         hostile: args.hostile,
+        strict_integers: args.strict_integers,
         command: command(args, source),
     };
     fuzz::run(subject, domain, lanes, &request).map_err(|why| anyhow::anyhow!("--case: {why}"))
@@ -364,6 +369,9 @@ fn command(args: &FuzzArgs, source: &IncludedText) -> String {
     words += &args.compose.words();
     for (name, value) in source.assumed() {
         words = format!("{words} --define {}", shell_word(&format!("{name}={value}")));
+    }
+    if args.strict_integers {
+        words.push_str(" --strict-integers");
     }
     if args.hostile {
         words.push_str(" --hostile");

@@ -20,6 +20,7 @@ use crate::binary::{run_in, run_reported};
 
 fn request() -> Request {
     Request {
+        strict_integers: false,
         samples: 4096,
         seed: 1,
         case: None,
@@ -134,6 +135,23 @@ fn an_overflow_that_only_huge_inputs_bring_about_is_a_note() {
     let report = only(text, "a=[1e20,1e21]");
     assert_eq!(kinds(&report, Severity::Finding), [FuzzFindingKind::Overflow]);
     assert_eq!(report.findings[0].place.as_ref().unwrap().text, "a * a");
+}
+
+#[test]
+fn signed_integers_that_wrap_are_a_note_unless_they_are_asked_for() {
+    let text = "int hash(int n) { return n * 15731 + 789221; }";
+    let subject = &functions("a.glsl", text)[0];
+    let severities = |strict_integers: bool| {
+        let request = Request { strict_integers, ..request() };
+        let lane = embedded::open().unwrap();
+        let report = requested(subject, "n=[0,1000000]", &*lane, Promises::of_api(Api::Binary32), &request);
+        let wraps = |f: &&Finding| f.kind == FuzzFindingKind::IntegerOverflow;
+        (report.fails(), report.findings.iter().filter(wraps).map(|f| f.severity).collect::<Vec<_>>())
+    };
+    let (fails, found) = severities(false);
+    assert!(!fails && !found.is_empty() && found.iter().all(|s| *s == Severity::Note), "{found:?}");
+    let (fails, found) = severities(true);
+    assert!(fails && found.iter().all(|s| *s == Severity::Finding), "{found:?}");
 }
 
 #[test]

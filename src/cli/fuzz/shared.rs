@@ -44,6 +44,7 @@ fn identity(args: &FuzzArgs, shard: Shard, files: &[(&IncludedText, Vec<Subject>
         .with("--samples", args.samples)
         .with(NOTES, args.notes)
         .with("--hostile", args.hostile)
+        .with("--strict-integers", args.strict_integers)
         .with("--function", args.function.join(","))
         .with("--domain", args.input.domain.join("; "));
     for lane in lanes {

@@ -16,7 +16,7 @@ use super::stage;
 use super::subject::{Ready, Subject};
 use super::words::{cause, message};
 use crate::{InputValue, activity, dispatch};
-use base::value::{Batch, Record};
+use base::value::{Batch, Record, Scalar};
 use judge::profile::Promises;
 use judge::verdict::{Fenced, Oracle, Reference, Rounds, edges};
 use lanes::{Lane, LaneName, embedded, interrupt};
@@ -53,6 +53,8 @@ pub struct Request {
     pub notes: bool,
     /// All inputs alike: none is taken for anything, and there is no second part.
     pub hostile: bool,
+    /// A signed integer that does not fit counts as other operations on integers do, although languages let it wrap.
+    pub strict_integers: bool,
     /// The command line up to the function, for reproduction.
     pub command: String,
 }
@@ -458,7 +460,11 @@ fn add_findings(
     let stated = domain.is_stated();
     let mut groups: Vec<(Key, Group)> = groups.into_iter().collect();
     let severity = |key: &Key, group: &Group| {
-        let severity = key.0.severity(group.standing, stated);
+        let severity = match key.0 {
+            // GLSL 4.60, 4.1.3; WGSL, 8.7; `OpIAdd` of SPIR-V, which HLSL and Slang become: the lower 32 bits are kept.
+            FuzzFindingKind::IntegerOverflow if !request.strict_integers => Severity::Note,
+            kind => kind.severity(group.standing, stated),
+        };
         let guessed = || host_numbers::are_needed(ready, domain, looked.sizes, &group.sample, key);
         if severity == Severity::Finding && request.case.is_none() && guessed() { Severity::Warning } else { severity }
     };
@@ -546,6 +552,7 @@ fn finding(
         output: real.then_some(output),
         meaning: real.then_some(named.meaning),
         found: real.then_some(named.strict.to_bits()),
+        scalar: Scalar::F32,
         condition: (named.kind == FuzzFindingKind::IllConditioned && named.condition.is_finite())
             .then_some(named.condition),
         worst: None,

@@ -21,6 +21,7 @@ fn report(text: &str, most: f64) -> FunctionReport {
         case: None,
         notes: false,
         hostile: false,
+        strict_integers: false,
         command: "shadercheck fuzz a.frag".into(),
     };
     run(&subject, &domain, &[], &request).unwrap()
