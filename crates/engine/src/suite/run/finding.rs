@@ -235,13 +235,14 @@ pub(super) fn deviations(
     let prints: Vec<u64> = failing.iter().map(|failing| failing.print).collect();
     let mut shown: Vec<Shown> = Vec::new();
     let mut tied: Option<Tied> = None;
-    let (mut steady, mut numbers) = (Vec::new(), Vec::new());
+    let (mut steady, mut numbers, mut of_shader) = (Vec::new(), Vec::new(), Vec::new());
     for ((sample, failing), again) in first.iter().zip(failing).zip(repeat::again(trial, &first, &prints)?) {
         let number = failing.number;
         // A shader that is wrong is wrong on a flaky lane too.
         if !again.is_flaky() || again.is_shader() {
             steady.push(sample.clone());
             numbers.push(number);
+            of_shader.push(again.is_shader());
         }
         if again.is_flaky() && !again.is_shader() {
             let place = Place::of(failing);
@@ -267,6 +268,11 @@ pub(super) fn deviations(
     if disturbed {
         // What depends on others each time differs from place to place, and is no chance.
         shown.retain(|shown| shown.alike.as_deref() != Some(FLAKY));
+        // What was disturbed in every run is explained as well.
+        for k in (0..of_shader.len()).rev().filter(|&k| !of_shader[k]) {
+            steady.remove(k);
+            numbers.remove(k);
+        }
     }
     if steady.is_empty() {
         return Ok(shown);
