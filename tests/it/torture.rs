@@ -28,7 +28,7 @@ fn parts_merge_to_the_run_and_are_done_once() {
         let part = format!("--programs 12 --shard {index}/2 --shard-dir {shards}");
         torture(&part, 0);
         let again = run_in(root(), &format!("{RUN} {part}")).expect(0);
-        assert!(again.stdout.contains("was done before"), "{}", again.stdout);
+        assert!(again.out.contains("was done before"), "{}", again.out);
     }
     let merged = run_in(root(), &format!("merge {shards} --format json")).expect(0).json();
     assert_eq!(merged, torture("--programs 12", 0));
