@@ -35,6 +35,7 @@ pub mod symbols;
 mod tests;
 pub mod types;
 pub mod vanishing;
+mod vast;
 pub mod walk;
 pub mod wgsl;
 mod workgroup;

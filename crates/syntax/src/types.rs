@@ -180,37 +180,6 @@ pub struct StructType {
     pub span: Span,
 }
 
-/// Members of a structure together with those of its members that are read, and levels of structures and arrays in each
-/// other. Whoever looks through a type looks at each of them.
-const MOST_MEMBERS: u32 = 1 << 14;
-const MOST_LEVELS: u32 = 128;
-
-fn members_of(fields: &[StructField]) -> u32 {
-    let mut all = 0;
-    for field in fields {
-        all += field.ty.members();
-        if all > MOST_MEMBERS {
-            break;
-        }
-    }
-    all
-}
-
-/// Why a structure of these members is not read; its members then get the type of an error, so that nothing follows from
-/// them. No type is larger than these limits as long as every structure goes through here.
-pub(crate) fn too_large(fields: &mut [StructField]) -> Option<String> {
-    let levels = fields.iter().map(|f| f.ty.levels()).max().unwrap_or(0);
-    let why = if levels >= MOST_LEVELS {
-        format!("types are nested in this structure in more than {MOST_LEVELS} levels")
-    } else if members_of(fields) > MOST_MEMBERS {
-        format!("this structure has more than {MOST_MEMBERS} members with those of its members")
-    } else {
-        return None;
-    };
-    fields.iter_mut().for_each(|field| field.ty = Type::Error);
-    Some(why)
-}
-
 /// A member of a structure or block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StructField {
@@ -381,25 +350,6 @@ impl Type {
     /// True for a scalar.
     pub fn is_scalar(&self) -> bool {
         matches!(self, Self::Scalar(_))
-    }
-
-    /// Members of a structure together with those of its members, where an array is one of its elements, up to
-    /// [`MOST_MEMBERS`] and one more; 1 for any other type.
-    fn members(&self) -> u32 {
-        match self {
-            Self::Struct(s) => members_of(&s.fields).max(1),
-            Self::Array(element, _) => element.members(),
-            Self::Error | Self::Void | Self::Scalar(_) | Self::Vector(..) | Self::Matrix(..) | Self::Opaque(_) => 1,
-        }
-    }
-
-    /// How deep structures and arrays are nested in it.
-    fn levels(&self) -> u32 {
-        match self {
-            Self::Struct(s) => 1 + s.fields.iter().map(|f| f.ty.levels()).max().unwrap_or(0),
-            Self::Array(element, _) => 1 + element.levels(),
-            Self::Error | Self::Void | Self::Scalar(_) | Self::Vector(..) | Self::Matrix(..) | Self::Opaque(_) => 0,
-        }
     }
 
     /// True when a sampler, image or atomic counter is inside.

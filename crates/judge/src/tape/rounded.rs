@@ -100,7 +100,8 @@ mod tests {
     /// Value and bound of `float f(float x)` at x, and whether a decision is open on the way.
     fn of(profile: &str, body: &str, x: f32) -> (f64, f64, bool) {
         let file = SourceFile::new("f.glsl", format!("#version 450 core\nfloat f(float x) {{ return {body}; }}\n"));
-        let program = Program::from_source(&file, syntax::Stage::Library, |_| Ok(Target::Function("f".into()))).unwrap();
+        let program =
+            Program::from_source(&file, syntax::Stage::Library, |_| Ok(Target::Function("f".into()))).unwrap();
         let batch = Batch {
             invocation_record: Arc::new(program.invocation_record()),
             case_record: Arc::new(program.case_record()),

@@ -11,7 +11,8 @@ use super::super::interface::Storage;
 use super::super::symbols::{
     CallTarget, Direction, FunctionId, FunctionInfo, ParamInfo, Symbol, SymbolId, SymbolKind, Use,
 };
-use super::super::types::{ArraySize, ScalarType, StructField, StructType, Type, too_large};
+use super::super::types::{ArraySize, ScalarType, StructField, StructType, Type};
+use super::super::vast::too_large;
 use super::syntax::{DeclarationKind, ModuleItem, TypeSyntax, VariableSyntax};
 use super::types;
 use base::text::Span;
