@@ -230,7 +230,8 @@ impl IncludedText {
         let Completed { assumed, taken } = &self.completed;
         let assumed = (!assumed.is_empty()).then(|| engine::fuzz::assumption_note(assumed));
         let taken = engine::fuzz::taken_notes(taken);
-        joined.into_iter().chain(taken).chain(assumed).chain(self.version.clone()).collect()
+        let cycles = self.includes.cycles().to_vec();
+        cycles.into_iter().chain(joined).chain(taken).chain(assumed).chain(self.version.clone()).collect()
     }
 
     /// A diagnostic with what is known about includes that were not found.

@@ -40,23 +40,21 @@ pub fn functions(name: &str, text: &str) -> Vec<Subject> {
 }
 
 pub fn on(subject: &Subject, domain: &str, lane: &dyn Lane, promises: Promises) -> FunctionReport {
-    requested(subject, domain, lane, promises, &request())
+    on_lanes(subject, domain, &[(lane, promises)])
 }
 
-fn requested(
-    subject: &Subject,
-    domain: &str,
-    lane: &dyn Lane,
-    promises: Promises,
-    request: &Request,
-) -> FunctionReport {
+pub fn on_lanes(subject: &Subject, domain: &str, lanes: &[(&dyn Lane, Promises)]) -> FunctionReport {
+    requested(subject, domain, lanes, &request())
+}
+
+fn requested(subject: &Subject, domain: &str, lanes: &[(&dyn Lane, Promises)], request: &Request) -> FunctionReport {
     let mut stated = option(domain).unwrap();
     stated.extend(subject.stated.clone());
     let domain = match &subject.ready {
         Ok(ready) => Domain::new(&subject.label, ready.kernel.invocation.fields(), ready.kernel.case.fields(), &stated),
         Err(_) => Domain::default(),
     };
-    run(subject, &domain, &[(lane, promises)], request).unwrap()
+    run(subject, &domain, lanes, request).unwrap()
 }
 
 fn strict(subject: &Subject, domain: &str) -> FunctionReport {
@@ -66,7 +64,7 @@ fn strict(subject: &Subject, domain: &str) -> FunctionReport {
 /// With all inputs alike.
 fn hostile(subject: &Subject) -> FunctionReport {
     let request = Request { hostile: true, ..request() };
-    requested(subject, "", &*embedded::open().unwrap(), Promises::of_api(Api::Binary32), &request)
+    requested(subject, "", &[(&*embedded::open().unwrap(), Promises::of_api(Api::Binary32))], &request)
 }
 
 /// The report of the only function of a library.
@@ -144,7 +142,7 @@ fn signed_integers_that_wrap_are_a_note_unless_they_are_asked_for() {
     let severities = |strict_integers: bool| {
         let request = Request { strict_integers, ..request() };
         let lane = embedded::open().unwrap();
-        let report = requested(subject, "n=[0,1000000]", &*lane, Promises::of_api(Api::Binary32), &request);
+        let report = requested(subject, "n=[0,1000000]", &[(&*lane, Promises::of_api(Api::Binary32))], &request);
         let wraps = |f: &&Finding| f.kind == FuzzFindingKind::IntegerOverflow;
         (report.fails(), report.findings.iter().filter(wraps).map(|f| f.severity).collect::<Vec<_>>())
     };

@@ -45,7 +45,7 @@ fn faults(report: &Value) -> Vec<String> {
 #[test]
 fn reports_follow_the_schema() {
     for (args, status) in [
-        ("check --samples 64", 0),
+        ("check --shipped --samples 64", 0),
         ("check sphere --samples 64 --sources", 0),
         ("check sphere --shader fixtures/alarms/sphere_swapped.vert --samples 64", 1),
         ("check sphere --shader fixtures/alarms/sphere_turn.vert --samples 64 --lane embedded", 1),

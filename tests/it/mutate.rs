@@ -121,6 +121,7 @@ fn an_unknown_operator_is_named_with_the_nearest_one() {
 fn every_mutant_of_the_shipped_shaders_can_be_run() {
     // A few samples kill most mutants; here it counts that none is refused.
     let value = parsed(&mutate(&[
+        "--shipped",
         "--samples",
         "64",
         "--operator",

@@ -44,7 +44,7 @@ fn same_in_parts(args: &str, counts: &[u64], status: i32) {
 
 #[test]
 fn shards_of_all_shipped_suites_are_the_run() {
-    same_in_parts("check --lane embedded --samples 300", &[1, 2, 3, 7], 0);
+    same_in_parts("check --shipped --lane embedded --samples 300", &[1, 2, 3, 7], 0);
 }
 
 #[test]

@@ -50,13 +50,13 @@ impl Sink {
         Diagnostic::new(code, Severity::Error, &self.file, span, message)
     }
 
-    /// All diagnostics in the order of the text. Where reading ended at a limit, that alone: what is not read lacks whatever
+    /// All diagnostics in the order of the text. Where reading ended at a limit, the first of these alone: what is not read lacks whatever
     /// would follow from it.
     pub(crate) fn finish(mut self) -> Vec<Diagnostic> {
-        if self.has(errors::TOO_DEEP) {
-            self.list.retain(|d| d.code == errors::TOO_DEEP);
-        }
         self.list.sort_by_key(|d| d.span.start);
+        if let Some(limit) = self.list.iter().position(|d| d.code == errors::TOO_DEEP) {
+            self.list = vec![self.list.swap_remove(limit)];
+        }
         self.list
     }
 }

@@ -228,5 +228,6 @@ fn the_arguments_are_well_formed() {
     assert_eq!(cli.lint.select, ["T", "H001"]);
     assert_eq!(cli.lint.format.as_deref(), Some("json"));
     assert!(Cli::try_parse_from(["lint", "a.vert", "--format", "xml"]).is_err());
-    assert!(Cli::try_parse_from(["lint"]).is_err(), "a path is required");
+    let here = Cli::try_parse_from(["lint"]).unwrap();
+    assert_eq!(here.lint.paths, [PathBuf::from(".")]);
 }

@@ -114,5 +114,5 @@ fn one_shader_needs_one_suite() {
         &format!("check sphere cylinder {shader}"),
         &["--shader needs exactly one suite, and 2 are chosen"],
     );
-    refused(root(), &format!("check {shader}"), &["--shader needs exactly one suite, and 14 are chosen"]);
+    refused(root(), &format!("check --shipped {shader}"), &["--shader needs exactly one suite, and 14 are chosen"]);
 }

@@ -238,7 +238,7 @@ fn what_cannot_run_is_reported() {
     assert_eq!(names(folder.path()), left);
     let empty = tempfile::tempdir().unwrap();
     assert!(run_in(empty.path(), "init").expect(2).err.contains("`.` holds no shader"));
-    assert!(run_in(empty.path(), "init gone").expect(2).err.contains("`gone` is no folder"));
+    assert!(run_in(empty.path(), "init gone").expect(2).err.contains("there is no file or folder `gone`"));
 }
 
 /// The interpreter keeps more than a device promises: what is written passes on devices too.

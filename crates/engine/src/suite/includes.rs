@@ -1,5 +1,6 @@
 //! `#include` in shaders that are run: where files are looked for, and what is told of those that are not there.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use super::error::LoadError;
@@ -18,6 +19,8 @@ pub struct Includes {
     pub folders: Vec<PathBuf>,
     /// What was asked for and is not there. It is told only where the shader needs it.
     missing: Vec<Wanted>,
+    /// Files without a guard that include themselves by way of others, each told in a sentence.
+    cycles: Vec<String>,
     /// The user names the folders, and not a file.
     trusted: bool,
     /// How a user names a folder, to be said where one is missing.
@@ -27,7 +30,7 @@ pub struct Includes {
 impl Includes {
     /// Folders that a user names in a certain way: `` `-I FOLDER` ``.
     pub fn new(folders: Vec<PathBuf>, named_by: &'static str) -> Self {
-        Self { folders, missing: Vec::new(), trusted: true, named_by }
+        Self { folders, missing: Vec::new(), cycles: Vec::new(), trusted: true, named_by }
     }
 
     /// Folders that a suite file names.
@@ -44,6 +47,8 @@ impl Includes {
         let (mut files, mut bytes) = (0, file.text().len() as u64);
         let mut within = vec![Path::new(file.name()).parent().unwrap_or(Path::new(""))];
         within.extend(self.folders.iter().filter(|_| self.trusted).map(PathBuf::as_path));
+        let mut guarded: HashSet<String> = HashSet::new();
+        guarded.extend(has_guard(file).then(|| file.name().to_owned()));
         let included = include::resolve(file, &mut |wanted| {
             if failed.is_some() {
                 return None;
@@ -52,6 +57,7 @@ impl Includes {
                 // Files that each include another one twice have no end that anyone lives to see.
                 files += 1;
                 bytes += found.as_ref().map_or(0, |file| file.text().len() as u64);
+                guarded.extend(found.iter().filter(|file| has_guard(file)).map(|file| file.name().to_owned()));
                 let whole = files <= MOST_FILES && bytes <= MOST_BYTES;
                 whole.then_some(found).ok_or_else(|| {
                     format!("with what it includes, the text has more than {MOST_FILES} files or {MOST_BYTES} bytes")
@@ -64,7 +70,24 @@ impl Includes {
             })
         });
         self.missing.extend(included.missing);
+        let open =
+            included.cycles.into_iter().filter(|cycle| cycle.chain.iter().all(|name| !guarded.contains(&**name)));
+        self.cycles.extend(open.map(|cycle| {
+            let at = cycle.wanted.from.locate(cycle.wanted.span.start);
+            let chain: Vec<&str> = cycle.chain.iter().map(|name| &**name).collect();
+            format!(
+                "{at}: these files include each other without a guard, and a compiler would find no end: {} -> {}; the second \
+                 time is left out; begin each with `#pragma once` or `#ifndef`",
+                chain.join(" -> "),
+                chain.first().copied().unwrap_or_default()
+            )
+        }));
         failed.map_or(Ok(included.file), Err)
+    }
+
+    /// Files that include themselves, each told in a sentence.
+    pub fn cycles(&self) -> &[String] {
+        &self.cycles
     }
 
     /// A diagnostic at its place in the file that it is about, with what is known about includes that were
@@ -87,9 +110,32 @@ impl Includes {
     }
 }
 
+/// True for a file whose first directive keeps it from being taken in twice.
+fn has_guard(file: &SourceFile) -> bool {
+    let first = file.text().lines().map(str::trim_start).find_map(|line| line.strip_prefix('#'));
+    first.map(str::trim_start).is_some_and(|rest| {
+        rest.starts_with("ifndef") || rest.starts_with("if !defined") || rest.split_whitespace().eq(["pragma", "once"])
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn files_that_include_each_other_are_told_unless_a_guard_ends_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let told = |guard: &str| {
+            std::fs::write(at("a.glsl"), format!("{guard}#include \"b.glsl\"\nfloat a;\n")).unwrap();
+            std::fs::write(at("b.glsl"), "#include \"a.glsl\"\nfloat b;\n").unwrap();
+            let mut includes = Includes::default();
+            let whole = includes.resolve(&file(&at("a.glsl"))).unwrap();
+            assert!(whole.text().contains("float b;"));
+            includes.cycles().len()
+        };
+        assert_eq!([told(""), told("#pragma once\n"), told("#ifndef A\n#define A\n")], [1, 0, 0]);
+    }
 
     fn file(path: &Path) -> SourceFile {
         SourceFile::new(path.display().to_string(), std::fs::read_to_string(path).unwrap())

@@ -129,11 +129,15 @@ impl Printer<'_> {
             Type::Matrix(n, k) if glsl && n == k => format!("mat{n}"),
             Type::Matrix(n, k) if glsl => format!("mat{n}x{k}"),
             Type::Matrix(n, k) => format!("mat{n}x{k}<f32>"),
-            Type::Array(of, n) if glsl => match &**of {
-                // The size of the outer array comes first.
-                Type::Array(inner, m) => format!("{}[{n}][{m}]", self.ty(inner)),
-                of => format!("{}[{n}]", self.ty(of)),
-            },
+            Type::Array(of, n) if glsl => {
+                // The size of the outermost array comes first.
+                let (mut sizes, mut element) = (format!("[{n}]"), &**of);
+                while let Type::Array(inner, m) = element {
+                    sizes += &format!("[{m}]");
+                    element = &**inner;
+                }
+                format!("{}{sizes}", self.ty(element))
+            }
             Type::Array(of, n) => format!("array<{}, {n}>", self.ty(of)),
             Type::Structure(index) => format!("S{index}"),
         }
