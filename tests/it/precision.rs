@@ -158,6 +158,9 @@ impl Lane for Behind {
     }
 }
 
+/// Where the sum of two numbers is the larger one, rounded to nearest, and its error the smaller one.
+const SUMMANDS: &str = "a=[1e30,2e30];b=[1,2]";
+
 #[test]
 fn a_device_that_was_not_told_of_precise_is_no_miscompiler() {
     let source = |text: &str| text.trim_start_matches("#version 450\n").to_owned();
@@ -170,16 +173,16 @@ fn a_device_that_was_not_told_of_precise_is_no_miscompiler() {
     let wrong = |report: &FunctionReport| -> Vec<Finding> {
         report.findings.iter().filter(|found| found.kind == FuzzFindingKind::LaneDeviation).cloned().collect()
     };
-    let found = wrong(&on(subject, "a=[1,2];b=[-1,1]", &lane, nearest()));
+    let found = wrong(&on(subject, SUMMANDS, &lane, nearest()));
     let Some(Origin::PreciseLost { front_end }) = found[0].diagnosis.as_ref().unwrap().origin.clone() else {
         panic!("{found:?}")
     };
     assert_eq!((front_end.as_str(), found[0].severity), ("naga", Severity::Finding));
     // A twin that keeps the order is right, and where it has another translator, only what this tool puts between is at fault.
     let other = Behind::new("behind-glslang", "glslang", None);
-    assert!(wrong(&on(subject, "a=[1,2];b=[-1,1]", &other, nearest())).is_empty());
+    assert!(wrong(&on(subject, SUMMANDS, &other, nearest())).is_empty());
     let both: [(&dyn Lane, Promises); 2] = [(&lane, nearest()), (&other, nearest())];
-    let found = wrong(&on_lanes(subject, "a=[1,2];b=[-1,1]", &both));
+    let found = wrong(&on_lanes(subject, SUMMANDS, &both));
     assert_eq!(found.iter().map(|found| found.severity).collect::<Vec<_>>(), [Severity::Note], "{found:?}");
     assert!(found[0].message.contains("the translator of this lane is at fault"), "{found:?}");
 }

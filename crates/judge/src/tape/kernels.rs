@@ -32,11 +32,15 @@ pub(super) struct Closing {
 /// binary64 itself rounded away: of 1 − 10^-20 it leaves 1, and either neighbour of the true value is right.
 #[inline(always)]
 pub(super) fn rounding(part: f64, v: f64, lost: f64, e: f64) -> f64 {
-    // Exact arguments with a result that is a binary32 number: rounding leaves it.
-    let kept = (e == 0.0) & (lost == 0.0) & (f64::from(v as f32) == v);
+    // Exact arguments with a result that is a binary32 number: rounding leaves it. Where binary64 lost something, the exact
+    // result lies next to that number: rounding to nearest gives it all the same, and rounding either way may give the next.
+    let kept = (e == 0.0) & ((lost == 0.0) | (part == NEAREST)) & (f64::from(v as f32) == v);
     let moved = part * gap(v.abs() + e);
     if kept { 0.0 } else { moved }
 }
+
+/// The part of a gap by which rounding to nearest moves a number at most.
+const NEAREST: f64 = 0.5;
 
 /// What the binary64 sum `v` of x and y leaves out of the exact one (Knuth, The Art of Computer Programming 2, 4.2.2).
 /// Products of exact binary32 numbers are exact in binary64, and no quotient or root of them that is none is nearer to a

@@ -361,7 +361,7 @@ fn measured(
     if let (Op::Add | Op::Sub | Op::Mul, Entry::Measured(table)) = (op, profile.entry(op))
         && table.rounds()
     {
-        return halves(profile.flush(stage) != Flush::Never, lost, args, value, carried, local);
+        return halves(profile.flush(stage) != Flush::Never, args, value, carried, local);
     }
     for slot in 0..SLOTS {
         let ranges = boxed(args, slot);
@@ -386,7 +386,7 @@ fn measured(
 }
 
 /// [`measured`] for sums and products that are rounded to nearest.
-fn halves(flushes: bool, lost: &Slots, args: &[Arg<'_>], value: &Slots, carried: &Slots, local: &mut Slots) {
+fn halves(flushes: bool, args: &[Arg<'_>], value: &Slots, carried: &Slots, local: &mut Slots) {
     let mut sure = [0.0; SLOTS];
     for arg in args {
         number::wide(|| sure.iter_mut().zip(arg.radius).for_each(|(sum, e)| *sum += e));
@@ -394,7 +394,7 @@ fn halves(flushes: bool, lost: &Slots, args: &[Arg<'_>], value: &Slots, carried:
     number::wide(|| {
         for slot in 0..SLOTS {
             let (v, exact) = (value[slot], value[slot].abs() + carried[slot]);
-            let kept = (carried[slot] == 0.0) & (sure[slot] == 0.0) & (lost[slot] == 0.0) & (f64::from(v as f32) == v);
+            let kept = (carried[slot] == 0.0) & (sure[slot] == 0.0) & (f64::from(v as f32) == v);
             let half = 0.5 * gap(exact);
             let flushed = half.max(exact);
             let half = if flushes & (exact - half < MIN_NORMAL) { flushed } else { half };
@@ -427,7 +427,7 @@ mod tests {
                 Allowed::Bound(bound) => bound,
                 _ => f64::INFINITY,
             };
-            let kept = radius[slot] == 0.0 && lost[slot] == 0.0 && f64::from(value[slot] as f32) == value[slot];
+            let kept = radius[slot] == 0.0 && f64::from(value[slot] as f32) == value[slot];
             let slow = if kept { 0.0 } else { at(x[slot] - radius[slot]).max(at(x[slot] + radius[slot])) };
             assert_eq!(local[slot], slow, "{} ± {} and {}", x[slot], radius[slot], y[slot]);
         }

@@ -290,7 +290,9 @@ fn a_type_that_doubles_is_a_limit_and_nothing_follows_from_it() {
         )
     };
     let codes = |name: &str, text: String| -> Vec<String> {
-        let parsed = Shader::parse(&SourceFile::new(name, text), Stage::Library);
+        let file = SourceFile::new(name, text);
+        let parsed =
+            if name.ends_with("wgsl") { Shader::parse_wgsl(&file) } else { Shader::parse(&file, Stage::Library) };
         parsed.diagnostics.iter().map(|d| d.code.to_string()).collect()
     };
     assert_eq!(codes("a.glsl", glsl(30)), ["E004"]);
