@@ -55,6 +55,7 @@ pub mod translate;
 #[cfg(feature = "run")]
 pub mod tune;
 pub mod version;
+#[cfg(feature = "run")]
 mod waiting;
 #[cfg(feature = "run")]
 pub mod worker;

@@ -25,4 +25,5 @@ mod sarif;
 pub mod torture;
 #[cfg(feature = "run")]
 pub mod tune;
+#[cfg(feature = "run")]
 mod word;
