@@ -136,12 +136,12 @@ fn a_process_that_is_killed_in_the_middle_is_reported_and_the_next_suite_runs() 
     let mut run = command(folder.path(), args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let started = Instant::now();
     let child = loop {
-        // A process that has been busy for a while is in the middle of the run.
+        // To open a device takes less: a process that has been busy for half a second is in the middle of the run.
         let busy = |child: &u32| {
             let stat = fs::read_to_string(format!("/proc/{child}/stat")).unwrap_or_default();
             let after = stat.rsplit(')').next().unwrap_or_default();
             let ticks: u64 = after.split_whitespace().nth(11).and_then(|n| n.parse().ok()).unwrap_or(0);
-            ticks >= 5
+            ticks >= 50
         };
         if let Some(child) = serving(run.id()).into_iter().find(busy) {
             break child;
