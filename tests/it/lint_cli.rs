@@ -393,3 +393,17 @@ fn mistakes_of_a_host_of_wgpu_are_found_and_its_twin_is_clean() {
     );
     assert!(found("right").is_empty());
 }
+
+#[test]
+fn files_of_glsl_that_take_in_each_other_are_told_and_guarded_ones_are_not() {
+    for (guard, status) in [("", 1), ("#pragma once\n", 0), ("#ifndef B\n#define B\n", 0)] {
+        let folder = tempfile::tempdir().unwrap();
+        let end = if guard.starts_with("#ifndef") { "#endif\n" } else { "" };
+        write(&folder, "a.glsl", b"#include \"b.glsl\"\nfloat f(float x) { return g(x) + 1.0; }\n");
+        let other = format!("{guard}#include \"a.glsl\"\nfloat g(float x) {{ return 2.0 * x; }}\n{end}");
+        write(&folder, "b.glsl", other.as_bytes());
+        let ran = lint(folder.path(), "a.glsl --format concise").expect(status);
+        let told = ran.out.contains("E071") && ran.out.contains("a.glsl → ");
+        assert_eq!(told, status == 1, "{guard}\n{}", ran.out);
+    }
+}

@@ -220,7 +220,14 @@ impl Problems {
     pub(crate) fn add(&mut self, code: Code, file: &SourceFile, span: Span, message: impl Into<String>, help: &str) {
         if self.found.len() < MOST {
             let new = Diagnostic::new(code, Severity::Error, file, span, message.into());
-            let new = new.with_help(help.to_owned()).at_origin();
+            self.take(new.with_help(help.to_owned()));
+        }
+    }
+
+    /// Takes in what is known already.
+    pub(crate) fn take(&mut self, new: Diagnostic) {
+        if self.found.len() < MOST {
+            let new = new.at_origin();
             // A file that is included several times is read several times.
             if !self.found.contains(&new) {
                 self.found.push(new);

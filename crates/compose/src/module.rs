@@ -169,8 +169,7 @@ fn without_directives(
         library.include(wanted).filter(|found| !wanted.import || !says_its_name(found.text()))
     });
     for cycle in &included.cycles {
-        let chain: Vec<&str> = cycle.chain.iter().map(|name| &**name).collect();
-        problems.cycle(&cycle.wanted.from, cycle.wanted.span, &chain);
+        problems.take(cycle.error());
     }
     let whole = included.file;
     let marked = whole.text().contains("#{") || says_its_name(whole.text()) || imports_modules(whole.text());

@@ -4,7 +4,9 @@
 use std::sync::Arc;
 
 use super::Comment;
+use super::errors;
 use super::lexer::{CommentStyle, lex_with};
+use base::diagnostic::{Diagnostic, Severity};
 use base::text::{Assembly, SourceFile, Span};
 
 /// What an `#include` asks for.
@@ -42,6 +44,26 @@ pub struct Cycle {
     pub wanted: Wanted,
     /// Names of the files from that one to the one that asks.
     pub chain: Vec<Arc<str>>,
+    /// One of them has a guard, which makes it empty the second time: there is an end.
+    pub guarded: bool,
+}
+
+impl Cycle {
+    /// The error, at the directive.
+    pub fn error(&self) -> Diagnostic {
+        let chain: Vec<&str> = self.chain.iter().map(|name| &**name).collect();
+        let circle = format!("{} → {}", chain.join(" → "), chain.first().copied().unwrap_or_default());
+        let (message, help) = match (chain.len(), self.wanted.import) {
+            (0 | 1, _) => ("this file takes in itself".to_owned(), "remove this line"),
+            (_, true) => (format!("these files take in each other: {circle}"), "move what both need into a third file"),
+            (_, false) => (
+                format!("these files take in each other: {circle}"),
+                "begin each with `#pragma once` or `#ifndef`, or move what both need into a third file",
+            ),
+        };
+        let Wanted { from, span, .. } = &self.wanted;
+        Diagnostic::new(errors::IMPORT_CYCLE, Severity::Error, from, *span, message).with_help(help.to_owned())
+    }
 }
 
 /// Depth of files that include each other.
@@ -66,8 +88,9 @@ fn joined(file: &SourceFile, find: &mut dyn FnMut(&Wanted) -> Option<SourceFile>
     if !words.iter().any(|word| file.text().contains(word)) {
         return Included { file: file.clone(), missing: Vec::new(), cycles: Vec::new() };
     }
-    let (open, once, missing, cycles) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let mut work = Work { find, comments, assembly: Assembly::new(), open, once, missing, cycles };
+    let (open, once, guarded) = (Vec::new(), Vec::new(), Vec::new());
+    let (missing, cycles) = (Vec::new(), Vec::new());
+    let mut work = Work { find, comments, assembly: Assembly::new(), open, once, guarded, missing, cycles };
     let any = work.add(file);
     let Work { assembly, missing, cycles, .. } = work;
     let file = if any { assembly.finish(file.name()) } else { file.clone() };
@@ -90,6 +113,8 @@ struct Work<'a> {
     open: Vec<Arc<str>>,
     /// Names of files with `#pragma once`.
     once: Vec<Arc<str>>,
+    /// Names of files that begin with a guard of the preprocessor.
+    guarded: Vec<Arc<str>>,
     missing: Vec<Wanted>,
     cycles: Vec<Cycle>,
 }
@@ -102,6 +127,9 @@ impl Work<'_> {
             return false;
         }
         self.open.push(name.clone());
+        if has_guard(file) {
+            self.guarded.push(name.clone());
+        }
         let mut at = 0;
         let mut any = false;
         for directive in directives(file, self.comments) {
@@ -119,7 +147,9 @@ impl Work<'_> {
             if let Some(back) = self.open.iter().position(|open| **open == *found.name()) {
                 // A guard makes it empty there.
                 if !self.once.contains(&self.open[back]) {
-                    self.cycles.push(Cycle { wanted, chain: self.open[back..].to_vec() });
+                    let chain = self.open[back..].to_vec();
+                    let guarded = chain.iter().any(|name| self.guarded.contains(name));
+                    self.cycles.push(Cycle { wanted, chain, guarded });
                 }
             } else if self.open.len() < DEEPEST {
                 let once = wanted.import.then(|| found.name().into());
@@ -131,6 +161,13 @@ impl Work<'_> {
         self.open.pop();
         any
     }
+}
+
+/// True for a file whose first directive keeps it from being taken in twice.
+fn has_guard(file: &SourceFile) -> bool {
+    let first = file.text().lines().map(str::trim_start).find_map(|line| line.strip_prefix('#'));
+    let first = first.map_or("", str::trim_start);
+    first.starts_with("ifndef") || first.starts_with("if !defined") || first.split_whitespace().eq(["pragma", "once"])
 }
 
 enum Directive {

@@ -62,8 +62,12 @@ fn with_includes(file: &SourceFile, folders: &[PathBuf]) -> Option<Composed> {
         left = rest?;
         Some(found)
     });
-    let joined = whole && included.cycles.is_empty() && included.file.is_assembled();
-    joined.then_some(Composed { file: included.file, refused: Vec::new() })
+    // A circle that leads back to this file: the others tell theirs.
+    let own = |cycle: &&include::Cycle| cycle.chain.first().is_some_and(|name| **name == *file.name());
+    let open = included.cycles.iter().filter(|cycle| !cycle.guarded).filter(own);
+    let refused: Vec<_> = open.map(|cycle| (Level::Default, cycle.error())).collect();
+    // Where a circle is open, the text ends where a compiler finds no end.
+    (whole && included.file.is_assembled()).then_some(Composed { file: included.file, refused })
 }
 
 /// A template with names in the place of what its engine fills in. Nothing but its own faults can be found in it: no
