@@ -16,12 +16,15 @@ pub struct Shrunk {
 
 /// Makes a program smaller as long as `shows` says that it still shows what it showed, in `budget` trials at most.
 pub fn shrink(program: Program, budget: usize, shows: &mut dyn FnMut(&Program) -> bool) -> Shrunk {
-    let mut best = tidy(program);
-    let (mut tried, mut seen) = (0, BTreeSet::new());
+    let (mut tried, mut seen) = (1, BTreeSet::new());
+    // What is wrong may be in what nothing uses, since translators read that as well.
+    let tidied = tidy(program.clone());
+    let dead = !shows(&tidied);
+    let mut best = if dead { program } else { tidied };
     'rounds: loop {
         let size = best.weight();
         for candidate in candidates(&best) {
-            let candidate = tidy(candidate);
+            let candidate = if dead { candidate } else { tidy(candidate) };
             let key = base::text::fingerprint(&format!("{candidate:?}"));
             if candidate.weight() >= best.weight() || !seen.insert(key) {
                 continue;

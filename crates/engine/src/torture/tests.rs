@@ -146,3 +146,14 @@ fn parts_together_are_the_whole() {
         assert_eq!(told(&joined), told(&whole));
     }
 }
+
+#[test]
+fn what_shows_in_code_that_nothing_uses_is_kept_while_it_shows() {
+    // Translators read dead code as well: of such a fault the smallest program still has the code.
+    let program = generate(4242, 92, ANY);
+    let called = |program: &Program| print(program, "repro").text.contains("h1(&v2[");
+    assert!(called(&program) && !called(&super::shrink::tidy(program.clone())), "it is dead code");
+    let small = super::shrink::shrink(program.clone(), 400, &mut |candidate| called(candidate));
+    assert!(called(&small.program), "{}", print(&small.program, "repro").text);
+    assert!(small.program.size() < program.size());
+}
