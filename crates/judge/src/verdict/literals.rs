@@ -22,6 +22,9 @@ impl Written {
     }
 }
 
+/// How many units in the last place front ends may be apart that fold an expression with the functions of a library in C.
+const FOLDED: f64 = 4.0;
+
 /// Literals that are other numbers than their binary32, or are folded in several ways, by the number of their site.
 /// `meant` says what literals of the text are meant to be, where that is not what is written.
 pub(super) fn written(
@@ -40,7 +43,12 @@ pub(super) fn written(
                 let literal = Literal { value, slack: 0.0 };
                 Written { module, literal, spread: constant.spread(module) }
             }
-            None => Written { module, literal: alone(program, executable, site, value), spread: 0.0 },
+            None => {
+                let literal = alone(program, executable, site, value);
+                // Folded from a text that is not known here: each front end has functions of its own.
+                let folded = literal.slack > 0.0 && text(program, executable, site).is_some();
+                Written { module, literal, spread: if folded { FOLDED * literal.slack } else { 0.0 } }
+            }
         };
         let same = Written { module, literal: Literal { value: module, slack: 0.0 }, spread: 0.0 };
         literals[site.index()] = (written != same).then_some(written);
