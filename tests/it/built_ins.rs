@@ -35,7 +35,8 @@ fn vertex(version: &str, value: &str) -> Prepared {
     suite("t.vert", &text, "[[inputs]]\nnames = [\"p\"]\ngenerator = \"interval\"\nrange = [1.0, 2.0]\n")
 }
 
-fn lanes() -> Vec<Box<dyn Lane>> {
+/// The lanes that are always there, and Mesa's.
+pub fn lanes() -> Vec<Box<dyn Lane>> {
     let open = |candidate: &lanes::Candidate| {
         (candidate.open)().unwrap_or_else(|missing| panic!("these tests need lane `{}`: {missing}", candidate.name))
     };

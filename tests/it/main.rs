@@ -15,6 +15,7 @@ mod comparisons;
 mod composed;
 mod constructs;
 mod containment;
+mod corners;
 mod documents;
 mod flaky;
 mod fuzz;

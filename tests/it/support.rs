@@ -173,6 +173,10 @@ impl Lane for Planted {
         &self.description
     }
 
+    fn calls_functions(&self) -> bool {
+        self.lane.calls_functions()
+    }
+
     fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
         if self.crashes {
             return Ok(Box::new(Crashing));

@@ -7,6 +7,7 @@ pub mod adversary;
 pub mod calibrate;
 pub mod catalogue;
 pub mod compare;
+pub mod corners;
 pub mod dispatch;
 mod elsewhere;
 pub mod fuzz;

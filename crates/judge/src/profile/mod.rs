@@ -125,6 +125,11 @@ pub enum Allowed {
 }
 
 impl Profile {
+    /// True for binary32 as IEEE 754 has it, which the embedded lane keeps: what other APIs leave open is fixed there.
+    pub fn is_strict(&self) -> bool {
+        self.name == "binary32"
+    }
+
     /// The same without rearrangement.
     #[must_use]
     pub fn in_order(&self) -> Self {

@@ -46,7 +46,8 @@ fn stairs(f: impl Fn(f64) -> f64, x: f64, e: f64) -> Image1 {
     }
 }
 
-/// A monotone function with a derivative; both are NaN outside of the domain.
+/// A monotone function with a derivative; both are NaN outside of the domain. The derivative grows on one side of 0 and falls on
+/// the other, as those of all functions here do that are even.
 fn smooth(f: impl Fn(f64) -> f64, df: impl Fn(f64) -> f64, x: f64, e: f64) -> Image1 {
     let (value, slope) = (f(x), df(x));
     if e == 0.0 {
@@ -58,7 +59,9 @@ fn smooth(f: impl Fn(f64) -> f64, df: impl Fn(f64) -> f64, x: f64, e: f64) -> Im
     let moves = if outside { f64::INFINITY } else { ends(value, &f) };
     // Rounding of binary64 may hide a small movement; the derivative does not.
     let moves = moves.max(slope.abs() * e);
-    let bends = if df(x - e).is_nan() || df(x + e).is_nan() { JUMP } else { SLACK * ends(slope, &df) };
+    let middle = if (x - e) * (x + e) < 0.0 { (df(0.0) - slope).abs() } else { 0.0 };
+    let outside = outside || df(x - e).is_nan() || df(x + e).is_nan();
+    let bends = if outside { JUMP } else { SLACK * ends(slope, &df).max(middle) };
     Image1 { value, moves, slope, bends }
 }
 
@@ -102,7 +105,12 @@ pub(super) fn image1(op: Op, x: f64, e: f64, not_negative: bool) -> Image1 {
             if branch(x - e) != branch(x + e) {
                 return Image1 { value: number::TAN.value(x), moves: f64::INFINITY, slope: 0.0, bends: JUMP };
             }
-            smooth(|x| number::TAN.value(x), |x| 1.0 + number::TAN.value(x) * number::TAN.value(x), x, e)
+            let tan = |x: f64| number::TAN.value(x);
+            let image = smooth(tan, |x| 1.0 + tan(x) * tan(x), x, e);
+            // Where the branch crosses 0 the slope is 1.
+            let crosses = tan(x - e) * tan(x + e) < 0.0;
+            let bends = if crosses { image.bends.max(SLACK * (1.0 - image.slope).abs()) } else { image.bends };
+            Image1 { bends, ..image }
         }
         Op::Asin => smooth(|x| number::ASIN.value(x), |x| 1.0 / (1.0 - x * x).sqrt(), x, e),
         Op::Acos => smooth(|x| number::ACOS.value(x), |x| -1.0 / (1.0 - x * x).sqrt(), x, e),
@@ -240,7 +248,9 @@ pub(super) fn image2(op: Op, (x, ex): (f64, f64), (y, ey): (f64, f64)) -> Image2
             let (quotient, size) = (x / y, y.abs());
             let reach = (x.abs() / size * ey + ex) / (size - ey);
             if size <= ey || (quotient - reach).trunc() != (quotient + reach).trunc() {
-                return if size > ey { Image2 { moves: size + ey, ..nowhere(value) } } else { nowhere(value) };
+                // From one multiple to the next, and on both sides of 0 where the dividend may have either sign.
+                let across = if x.abs() <= ex { value.abs() } else { 0.0 };
+                return if size > ey { Image2 { moves: size + ey + across, ..nowhere(value) } } else { nowhere(value) };
             }
             let whole = quotient.trunc();
             Image2 { value, moves: ex + whole.abs() * ey, slopes: [1.0, -whole], bends: [0.0, 0.0] }
@@ -338,7 +348,7 @@ mod tests {
     fn no_value_within_the_radius_is_farther_than_the_image_says() {
         for op in ONES {
             for x in [-2.5, -1.0, -0.7, -0.01, 0.0, 1e-9, 0.3, 0.9999, 1.0, 1.5, 1.6, 3.0, 88.0] {
-                for e in [0.0, 1e-9, 1e-4, 0.05] {
+                for e in [0.0, 1e-9, 1e-4, 0.05, 1.5, 8.0] {
                     let image = image1(op, x, e, false);
                     if image.value.is_nan() || image.moves == f64::INFINITY {
                         continue;
@@ -357,7 +367,7 @@ mod tests {
     fn slopes_are_derivatives_and_bend_no_more_than_the_image_says() {
         for op in ONES {
             for x in [-2.5, -0.7, 0.3, 0.8, 1.3, 2.7] {
-                for e in [1e-6, 1e-3, 0.02] {
+                for e in [1e-6, 1e-3, 0.02, 0.7, 5.0] {
                     let image = image1(op, x, e, false);
                     if !image.bends.is_finite() || image.value.is_nan() {
                         continue;
@@ -380,7 +390,16 @@ mod tests {
         for op in TWOS {
             for x in [-2.0, -0.3, 0.0, 0.7, 1.0, 5.3] {
                 for y in [-3.0, -1.0, 0.2, 1.0, 4.0] {
-                    for (ex, ey) in [(0.0, 0.0), (1e-6, 0.0), (0.0, 1e-6), (1e-3, 1e-2), (0.05, 0.05)] {
+                    for (ex, ey) in [
+                        (0.0, 0.0),
+                        (1e-6, 0.0),
+                        (0.0, 1e-6),
+                        (1e-3, 1e-2),
+                        (0.05, 0.05),
+                        (1.5, 0.1),
+                        (0.1, 0.9),
+                        (4.0, 4.0),
+                    ] {
                         let image = image2(op, (x, ex), (y, ey));
                         if image.value.is_nan() || image.moves == f64::INFINITY {
                             continue;

@@ -274,6 +274,7 @@ impl Domain for Tape<'_> {
                 *v = f64::from(f32::from_bits(word));
             }
         });
+        self.open_special(None, words, id);
         self.hold(out, id);
     }
 
@@ -363,14 +364,26 @@ impl Domain for Tape<'_> {
         let given = matches!(self.model, Model::Binary64) && matches!(self.arena.nodes[a].kind, NodeKind::Leaf);
         let end = |slot: usize, sign: f64| if given { x[slot] } else { x[slot] + sign * reach(slot) };
         let ends = |sign: f64| -> Slots { std::array::from_fn(|slot| end(slot, sign)) };
-        program::interp::to_words(op, &ends(-1.0), &mut low);
-        program::interp::to_words(op, &ends(1.0), &mut high);
+        let (least, most) = (ends(-1.0), ends(1.0));
+        program::interp::to_words(op, &least, &mut low);
+        program::interp::to_words(op, &most, &mut high);
+        if op == ToWords::HalfBits && self.model.rounds_halves_either_way() {
+            rounded::half_outward(&least, &mut low, -1.0);
+            rounded::half_outward(&most, &mut high, 1.0);
+        }
+        // Nobody promises the sign of a zero that is computed.
+        let sign = paths::sign_of(op);
+        if sign != 0 && !matches!(self.arena.nodes[a].kind, NodeKind::Leaf) {
+            for slot in active.slots().filter(|&slot| x[slot] == 0.0 && e[slot] == 0.0) {
+                (low[slot], high[slot]) = (0, sign);
+            }
+        }
         // A device turns coordinates into fixed point numbers of 32 bits, 8 of them within a texel.
         let far = |x: f64| !x.is_finite() || (absolute > 0.0 && x.abs() >= 8_388_608.0);
         let subnormal = |slot: usize| {
             op == ToWords::HalfBits && rounded::may_flush(&self.model, x[slot], reach(slot), low[slot] | high[slot])
         };
-        let lost = |slot: usize| e[slot].is_nan() || subnormal(slot) || (texel && far(x[slot]));
+        let lost = |slot: usize| !e[slot].is_finite() || subnormal(slot) || (texel && far(x[slot]));
         // Between the exponents on both sides of zero lie all others, and that of zero itself.
         let around = |slot: usize| op == ToWords::FrexpExponent && e[slot] > 0.0 && x[slot].abs() <= e[slot];
         let lost: Vec<bool> = (0..SLOTS).map(|slot| lost(slot) || around(slot)).collect();
@@ -412,6 +425,10 @@ impl Domain for Tape<'_> {
         }
         if op == FromWords::HalfBits && matches!(self.model, Model::Device { .. }) {
             self.halves(site, id);
+        }
+        if op == FromWords::Bits {
+            self.flush_bits(site, id);
+            self.open_special(Some(site), a, id);
         }
         let id = self.unrounded(site, op, a, id);
         self.hold(out, id);

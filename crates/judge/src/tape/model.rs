@@ -105,9 +105,20 @@ impl<'p> Model<'p> {
     /// binary32 rounds as all else.
     pub(super) fn texel_slack(&self) -> (f64, f64) {
         match self {
-            Self::Device { profile, .. } if profile.name != "binary32" => (2f64.powi(-20), 2f64.powi(-7)),
+            Self::Device { profile, .. } if !profile.is_strict() => (2f64.powi(-20), 2f64.powi(-7)),
             Self::Device { .. } | Self::Binary64 => (0.0, 0.0),
         }
+    }
+
+    /// True where a device may take for granted that no number is infinite, and that none is NaN (WGSL, 15.7.2; Vulkan 1.4,
+    /// without `SignedZeroInfNanPreserve`): what it makes of them is open.
+    pub(super) fn assumes_finite(&self) -> bool {
+        matches!(self, Self::Device { profile, .. } if !profile.is_strict())
+    }
+
+    /// True where a number becomes either of its neighbours in binary16 (GLSL 4.60, 4.7.1 and 8.4; WGSL, 15.7.6).
+    pub(super) fn rounds_halves_either_way(&self) -> bool {
+        matches!(self, Self::Device { profile, .. } if profile.rounding == Rounding::Either)
     }
 
     /// True when subnormal numbers may become zero.

@@ -170,14 +170,19 @@ fn sides_of_step(op: Op, x: f64, e: f64) -> Option<Vec<f64>> {
     Some(all.map(|side| if op == Op::Fract { x - side } else { side }).collect())
 }
 
-/// The words between the two ends of what a conversion may give, the exact one first; `None` where they are too many, or are not
-/// in a row.
-fn words_between(op: ToWords, exact: u32, [low, high]: [u32; 2]) -> Option<Vec<u32>> {
-    let sign = match op {
+/// The bit that is the sign of a number in what a conversion gives; 0 where there is none.
+pub(super) fn sign_of(op: ToWords) -> u32 {
+    match op {
         ToWords::Bits => 0x8000_0000,
         ToWords::HalfBits => 0x8000,
         ToWords::Signed | ToWords::Unsigned | ToWords::FrexpExponent | ToWords::Texel { .. } => 0,
-    };
+    }
+}
+
+/// The words between the two ends of what a conversion may give, the exact one first; `None` where they are too many, or are not
+/// in a row.
+fn words_between(op: ToWords, exact: u32, [low, high]: [u32; 2]) -> Option<Vec<u32>> {
+    let sign = sign_of(op);
     // Both zeros, and nothing else.
     if sign != 0 && [low, high, exact].iter().all(|word| word & (sign - 1) == 0) {
         return Some(vec![exact, exact ^ sign]);

@@ -286,6 +286,8 @@ impl Undefined {
             // WGSL (15.7.6) clamps numbers and says of NaN alone that its value is indeterminate, which the machine sorts
             // out. SPIR-V (`OpConvertFToS`) and HLSL leave the conversion of what does not fit undefined.
             (_, HazardKind::Conversion) => false,
+            // SPIR-V (`OpSDiv`, `OpSRem`) and HLSL leave both undefined; WGSL (8.7) gives the dividend.
+            (_, HazardKind::DivisionByZero | HazardKind::Quotient) => written == Written::Wgsl,
             (Written::Wgsl | Written::SpirV | Written::SpirVAssembly | Written::Hlsl | Written::Slang, kind) => {
                 kind.is_defined_by_wgsl()
             }
