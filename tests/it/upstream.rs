@@ -14,7 +14,8 @@ use naga::{Module, ShaderStage};
 use serde::Deserialize;
 use test_record::not_run;
 
-use crate::binary::{command, root};
+use crate::binary::root;
+use crate::webgpu::command;
 
 /// `case.toml` of a folder.
 #[derive(Debug, Deserialize)]
@@ -38,6 +39,8 @@ enum Reader {
     NagaGlsl,
     /// naga's reader of WGSL, and then its reader of the SPIR-V that it writes.
     NagaWgslSpirv,
+    /// naga's reader of WGSL, and its writer of GLSL 4.50 for the stage `main`.
+    NagaWgslGlsl,
     /// glslang, and then naga's reader of SPIR-V.
     GlslangNaga,
     GlslangHlsl,
@@ -60,6 +63,7 @@ struct Shows {
 #[serde(rename_all = "kebab-case")]
 enum Outcome {
     Wgsl,
+    Glsl,
     Refused,
     Panic,
     /// Decorations before and after.
@@ -89,6 +93,22 @@ fn validated(module: &Module) -> Result<ModuleInfo, String> {
 fn words(module: &Module) -> Result<Vec<u32>, String> {
     let info = validated(module)?;
     spv::write_vec(module, &info, &spv::Options::default(), None).map_err(|error| error.to_string())
+}
+
+fn in_glsl(module: &Module) -> Result<String, String> {
+    let info = validated(module)?;
+    let options = naga::back::glsl::Options { version: naga::back::glsl::Version::Desktop(450), ..Default::default() };
+    let entry = &module.entry_points[0];
+    let pipeline = naga::back::glsl::PipelineOptions {
+        shader_stage: entry.stage,
+        entry_point: entry.name.clone(),
+        multiview: None,
+    };
+    let (mut text, policies) = (String::new(), naga::proc::BoundsCheckPolicies::default());
+    naga::back::glsl::Writer::new(&mut text, module, &info, &options, &pipeline, policies)
+        .and_then(|mut writer| writer.write())
+        .map_err(|error| error.to_string())?;
+    Ok(text)
 }
 
 fn read_spirv(words: &[u32]) -> Result<Module, String> {
@@ -147,6 +167,7 @@ fn outcome(reader: Reader, file: &Path) -> Option<(Outcome, String)> {
             let read = glsl::Frontend::default().parse(&glsl::Options::from(stage), &text);
             read.map_err(|errors| errors.emit_to_string(&text)).and_then(|module| written(&module))
         }
+        Reader::NagaWgslGlsl => in_glsl(&naga::front::wgsl::parse_str(&text).unwrap()),
         _ => {
             let module = naga::front::wgsl::parse_str(&text).unwrap();
             words(&module).and_then(|words| read_spirv(&words)).and_then(|module| written(&module))
@@ -157,11 +178,17 @@ fn outcome(reader: Reader, file: &Path) -> Option<(Outcome, String)> {
             let case = case(file.parent().unwrap());
             return reported(file, &case.lane.unwrap(), &case.version);
         }
-        Reader::NagaGlsl | Reader::NagaWgslSpirv => match catch_unwind(AssertUnwindSafe(by_naga)) {
-            Ok(Ok(text)) => (Outcome::Wgsl, text),
-            Ok(Err(message)) => (Outcome::Refused, message),
-            Err(panic) => (Outcome::Panic, panic.downcast_ref::<String>().cloned().unwrap_or_default()),
-        },
+        Reader::NagaGlsl | Reader::NagaWgslSpirv | Reader::NagaWgslGlsl => {
+            match catch_unwind(AssertUnwindSafe(by_naga)) {
+                Ok(Ok(text)) if matches!(reader, Reader::NagaWgslGlsl) => (Outcome::Glsl, text),
+                Ok(Ok(text)) => (Outcome::Wgsl, text),
+                Ok(Err(message)) => (Outcome::Refused, message),
+                Err(panic) => {
+                    let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
+                    (Outcome::Panic, text.or(panic.downcast_ref::<String>().cloned()).unwrap_or_default())
+                }
+            }
+        }
         Reader::GlslangNaga => {
             let target = tempfile::tempdir().unwrap();
             let target = target.path().join("repro.spv");
