@@ -9,7 +9,7 @@ use clap::Args;
 
 use super::below;
 use crate::cli::status::ExitStatus;
-use base::text::{Shown, SourceFile};
+use base::text::{Shown, SourceFile, counted};
 use disk::fresh;
 use engine::suite::draft::{self, Draft, Subject};
 use engine::suite::{self, Suite};
@@ -176,18 +176,13 @@ fn of_shader(
     let verb = if args.dry_run { "would write" } else { "wrote" };
     writeln!(out, "{verb} {}", target.shown())?;
     for draft in &drafts {
-        let (inputs, laws) = (counted(draft.inputs, "input"), counted(draft.laws, "law"));
+        let (inputs, laws) = (counted(draft.inputs as u64, "input"), counted(draft.laws as u64, "law"));
         writeln!(out, "  {}: {inputs}, {laws}", draft.name)?;
         for complaint in &draft.complaints {
             writeln!(out, "    does not pass: {complaint}")?;
         }
     }
     Ok(true)
-}
-
-/// `1 law`, `2 laws`.
-fn counted(many: usize, unit: &str) -> String {
-    format!("{many} {unit}{}", if many == 1 { "" } else { "s" })
 }
 
 /// A name for the suite of a subject that none has yet.

@@ -185,7 +185,7 @@ fn functions_that_stand_alone_are_run_where_others_lack_something() {
     let text = "fn half(x: f32) -> f32 { return 0.5 * x; }\nfn g(x: f32) -> f32 { return half(x) * GAIN; }\n\
                 fn h(x: f32) -> f32 { return g(x); }\n";
     let (status, out, err) = run(&[("part.wgsl", text)], &["fuzz", "--samples", "256", "--lane", "embedded"]);
-    assert!(out.contains("half") && out.contains("1 functions run, 2 not run"), "{status:?} {out}{err}");
+    assert!(out.contains("half") && out.contains("1 function run, 2 not run"), "{status:?} {out}{err}");
     assert!(out.matches("`GAIN` is declared nowhere").count() == 2, "{out}");
     // Where it lacks nothing, all of them are run.
     let whole = format!("const GAIN = 2.0;\n{text}");
@@ -206,7 +206,7 @@ fn early_drafts_of_the_language_are_read() {
     let (status, out, err) = run(&[("old.wgsl", old)], &["fuzz", "--lane", "embedded"]);
     let told = format!("{out}{err}");
     assert!(status != Some(2) && told.contains("old.wgsl:1:1: an early draft of WGSL"), "{told}");
-    assert!(told.contains("1 functions run") && told.contains("old.wgsl:4:"), "{told}");
+    assert!(told.contains("1 function run") && told.contains("old.wgsl:4:"), "{told}");
     let (status, out, err) = run(&[("old.wgsl", old)], &["lint", "--format", "concise"]);
     assert!(status == Some(0) && out.contains("old.wgsl:1:1: info[E076]"), "{out}{err}");
     // What has no equivalent is an error at its place.

@@ -34,6 +34,8 @@ pub struct Candidate {
     pub stand_in: bool,
     /// True for a lane that runs only where it is asked for by name.
     pub named_only: bool,
+    /// True for a lane of a package that few have: where it is missing, it is told to those who ask for it by name.
+    pub extra: bool,
 }
 
 /// All lanes that this build knows here: those that are always listed, and one for each further driver that is found.
@@ -51,6 +53,7 @@ pub fn registry() -> &'static [Candidate] {
             open: Box::new(embedded::open),
             stand_in: true,
             named_only: false,
+            extra: false,
         });
         all.push(Candidate {
             name: embedded::HALF,
@@ -58,6 +61,7 @@ pub fn registry() -> &'static [Candidate] {
             open: Box::new(embedded::open_half),
             stand_in: true,
             named_only: true,
+            extra: false,
         });
         all
     })

@@ -69,6 +69,7 @@ impl<'a> Wanted<'a> {
             if (named || wanted) && opened.lanes.len() < self.most {
                 match (candidate.open)() {
                     Ok(lane) => opened.lanes.push(lane),
+                    Err(_) if candidate.extra && !named => {}
                     Err(why) => opened.missing.push((candidate.name, why)),
                 }
             }
@@ -114,7 +115,7 @@ mod tests {
                 Err(Unavailable { why: "it is away".to_owned(), remedy: "bring it".to_owned() })
             }
         };
-        Candidate { name, about: "", open: Box::new(open), stand_in, named_only: false }
+        Candidate { name, about: "", open: Box::new(open), stand_in, named_only: false, extra: false }
     }
 
     fn names(names: &[&str]) -> Vec<String> {

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use base::text::counted;
 use engine::torture::{Cause, Found};
 use lanes::Description;
 use serde_json::{Value, json};
@@ -62,13 +63,13 @@ pub fn text(summary: &Summary) -> String {
     }
     let _ = writeln!(
         text,
-        "{}: {} programs, {} samples agreed, {} undetermined, {} programs undetermined as a whole, {} findings",
+        "{}: {}, {} agreed, {} undetermined, {} undetermined as a whole, {}",
         if found.fails() { "FAIL" } else { "pass" },
-        found.programs,
-        found.agreed,
+        counted(found.programs, "program"),
+        counted(found.agreed, "sample"),
         found.undetermined,
-        found.vacuous,
-        found.causes.len()
+        counted(found.vacuous, "program"),
+        counted(found.causes.len() as u64, "finding")
     );
     text
 }

@@ -1,6 +1,7 @@
 //! What is said when all is done, in both languages.
 
 use base::diagnostic::{Diagnostic, Lang, Safety, Severity, message};
+use base::text::counted;
 use lint::Input;
 
 /// `1 finding` or `2 findings`.
@@ -14,7 +15,7 @@ fn files(n: usize) -> String {
 }
 
 fn plural(n: usize, word: &str) -> String {
-    format!("{n} {word}{}", if n == 1 { "" } else { "s" })
+    counted(n as u64, word)
 }
 
 /// How many repairs a patch holds.

@@ -88,5 +88,5 @@ fn a_buffer_in_the_group_of_textures_is_none_of_them() {
                 return tint * textureSample(t, s, uv);\n}\n";
     let folder = folder(&[("f.wgsl", text.as_bytes())]);
     let ran = run_in(folder.path(), "fuzz f.wgsl --samples 256 --lane embedded").expect(0);
-    assert!(ran.out.contains("1 functions run, 0 not run"), "{}", ran.out);
+    assert!(ran.out.contains("1 function run, 0 not run"), "{}", ran.out);
 }

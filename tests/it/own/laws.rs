@@ -171,7 +171,7 @@ fn each_law_is_kept_by_a_right_function_and_rings_for_a_wrong_one() {
         let suite = suite(inputs, &format!("relations = [{law}]"));
         let run = |shader: &str| check(&[("f.glsl", shader), ("f.suite.toml", &suite)], &[]);
         let ran = run(right);
-        if ran.code != 0 || !ran.out.contains("1 relations (") || ran.out.contains("1 relations (0)") {
+        if ran.code != 0 || !ran.out.contains("1 relation (") || ran.out.contains("1 relation (0)") {
             faults.push(format!("{law} is kept, and\n{}", ran.out));
         }
         let ran = run(wrong).expect(1);

@@ -16,3 +16,8 @@ pub use expansion::Expansion;
 pub use fingerprint::fingerprint;
 pub use location::Location;
 pub use source::{Position, Shown, SourceFile, Span, TextError, printable};
+
+/// A number of things: `1 finding`, `2 findings`.
+pub fn counted(many: u64, word: &str) -> String {
+    format!("{many} {word}{}", if many == 1 { "" } else { "s" })
+}

@@ -42,7 +42,7 @@ const REMEDY: &str = "install it, for example `apt-get install glslang-tools` on
 /// The lane of this folder.
 pub fn candidates() -> Vec<Candidate> {
     let about = "the author's text through glslang, in the real vertex and geometry stages of a Vulkan driver";
-    vec![Candidate { name: NAME, about, open: Box::new(open), stand_in: false, named_only: false }]
+    vec![Candidate { name: NAME, about, open: Box::new(open), stand_in: false, named_only: false, extra: false }]
 }
 
 /// Opens the first Vulkan device with transform feedback, in a process of its own where there is a program for that.

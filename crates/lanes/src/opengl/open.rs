@@ -78,6 +78,7 @@ pub fn candidates() -> Vec<Candidate> {
         open: Box::new(move || open(driver)),
         stand_in: false,
         named_only: false,
+        extra: false,
     };
     let card = has_card();
     DRIVERS.iter().filter(|driver| card || driver.of_mesa()).map(candidate).collect()

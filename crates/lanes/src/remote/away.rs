@@ -95,7 +95,14 @@ pub fn devices(program: &'static Executable) -> Result<Vec<Candidate>, String> {
             let line = spare.lock().unwrap_or_else(PoisonError::into_inner).take();
             open_on(line.unwrap_or_else(|| Line::new(program)), name, Box::new(Naga))
         };
-        Candidate { name, about: vulkan::about(at == 0), open: Box::new(open), stand_in: false, named_only: false }
+        Candidate {
+            name,
+            about: vulkan::about(at == 0),
+            open: Box::new(open),
+            stand_in: false,
+            named_only: false,
+            extra: false,
+        }
     };
     Ok(names.into_iter().enumerate().map(candidate).collect())
 }

@@ -60,6 +60,7 @@ fn here() -> Vec<Candidate> {
         open: Box::new(move || Ok(Box::new(Here::new((device.open)()?, Box::new(Naga))))),
         stand_in: false,
         named_only: false,
+        extra: false,
     };
     match devices() {
         Ok(devices) => devices.into_iter().map(candidate).collect(),
@@ -107,7 +108,14 @@ pub fn devices() -> Result<Vec<Device>, String> {
 fn absent(why: String) -> Candidate {
     let missing = Unavailable { why, remedy: REMEDY.to_owned() };
     let about = "any Vulkan device, through wgpu";
-    Candidate { name: FIRST, about, open: Box::new(move || Err(missing.clone())), stand_in: false, named_only: false }
+    Candidate {
+        name: FIRST,
+        about,
+        open: Box::new(move || Err(missing.clone())),
+        stand_in: false,
+        named_only: false,
+        extra: false,
+    }
 }
 
 /// A name for the lane of a device that no other lane has.

@@ -44,7 +44,7 @@ pub fn set_folder(folder: Option<PathBuf>) {
 /// The lane, whether or not it is available.
 pub fn candidates() -> Vec<Candidate> {
     let about = "Dawn and Tint through Node: WGSL on a Vulkan device that Dawn takes";
-    vec![Candidate { name: NAME, about, open: Box::new(open), stand_in: false, named_only: false }]
+    vec![Candidate { name: NAME, about, open: Box::new(open), stand_in: false, named_only: false, extra: true }]
 }
 
 fn open() -> Result<Box<dyn Lane>, Unavailable> {

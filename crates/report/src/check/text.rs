@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use super::block::one;
 use crate::diagnostics;
 use base::diagnostic::Lang;
+use base::text::counted;
 use engine::InputValue;
 use engine::suite::run::{Entry, Finding, Outcome, Report, RunError, Standing, Status, Summary};
 use judge::verdict::Reason;
@@ -92,12 +93,12 @@ fn counts(report: &Report) -> String {
     let worst = if verdicts.agreed > 0 { format!("{:.1}", verdicts.max_ulp) } else { "-".to_owned() };
     let checked: u64 = report.relations.iter().map(|(_, n)| n).sum();
     format!(
-        "{:>8} judged  {:>8} agreed  {:>6} deviated  {:>6} undetermined  max {worst:>5} ULP  {} relations ({checked})",
+        "{:>8} judged  {:>8} agreed  {:>6} deviated  {:>6} undetermined  max {worst:>5} ULP  {} ({checked})",
         report.judged(),
         verdicts.agreed,
         verdicts.deviated,
         verdicts.undetermined_count(),
-        report.relations.len(),
+        counted(report.relations.len() as u64, "relation"),
     )
 }
 

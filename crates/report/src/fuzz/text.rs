@@ -1,11 +1,13 @@
 //! The report for people: a line for each function, then what was found.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use super::{FileReport, Summary};
 use crate::diagnostics;
 use crate::word::word;
 use base::diagnostic::Lang;
+use base::text::counted;
 use engine::InputValue;
 use engine::fuzz::{Finding, FunctionReport, FuzzFindingKind, LaneReport, Part, Severity};
 use judge::verdict::diagnosis::Place;
@@ -40,31 +42,27 @@ pub fn line(function: &FunctionReport, color: bool) -> String {
                 (false, Some(_)) => ("weak", style.weak),
                 (false, None) => ("ok  ", style.good),
             };
-            let counted = [
-                (Severity::Finding, "finding", "findings"),
-                (Severity::Warning, "warning", "warnings"),
-                (Severity::Note, "note", "notes"),
-            ];
+            let severities = [(Severity::Finding, "finding"), (Severity::Warning, "warning"), (Severity::Note, "note")];
             let of = match function.hostile {
                 0 => String::new(),
                 hostile => format!(", {hostile} of them hostile"),
             };
             let mut parts = Vec::new();
             if function.samples > 0 || function.dispatches == 0 {
-                parts.push(format!("{} samples{of}", function.samples));
+                parts.push(format!("{}{of}", counted(function.samples, "sample")));
             }
             if function.dispatches > 0 {
-                parts.push(format!("{} dispatches", function.dispatches));
+                let ending = if function.dispatches == 1 { "" } else { "es" };
+                parts.push(format!("{} dispatch{ending}", function.dispatches));
             }
-            for (severity, one, many) in counted {
-                match function.of(severity).count() {
-                    0 => {}
-                    1 => parts.push(format!("1 {one}")),
-                    n => parts.push(format!("{n} {many}")),
-                }
+            for (severity, word) in severities {
+                let many = function.of(severity).count() as u64;
+                parts.extend((many > 0).then(|| counted(many, word)));
             }
             parts.extend(function.weak().map(|reason| format!("mostly undetermined: {reason}")));
-            parts.extend(function.lanes.iter().map(on_lane));
+            // Where some lane ran it, those that cannot are told once for all functions, at the end.
+            let some = function.lanes.iter().any(|lane| lane.not_run.is_none());
+            parts.extend(function.lanes.iter().filter(|lane| !some || lane.not_run.is_none()).map(on_lane));
             (mark, paint, parts.join("  "))
         }
     };
@@ -263,6 +261,11 @@ pub fn totals(summary: &Summary, notes: bool, color: bool) -> String {
     for (name, missing) in &summary.unavailable {
         let _ = writeln!(text, "note: lane `{name}` is not available: {missing}");
     }
+    for ((lanes, why), many) in not_run(summary) {
+        let functions = counted(many, "function");
+        let lanes: Vec<String> = lanes.iter().map(|lane| format!("`{lane}`")).collect();
+        let _ = writeln!(text, "note: {functions} not run on {}: {why}", lanes.join(", "));
+    }
     let totals = summary.totals();
     if totals.notes > 0 && !notes {
         let many = if totals.notes == 1 { "1 note is".to_owned() } else { format!("{} notes are", totals.notes) };
@@ -279,12 +282,40 @@ pub fn totals(summary: &Summary, notes: bool, color: bool) -> String {
     }
     let failed = totals.findings + totals.broken > 0;
     let (word, paint) = if failed { ("fail", style.bad) } else { ("ok", style.good) };
-    let broken = if totals.broken == 0 { String::new() } else { format!(", {} files do not compile", totals.broken) };
+    let verb = if totals.broken == 1 { "does" } else { "do" };
+    let broken = match totals.broken {
+        0 => String::new(),
+        many => format!(", {} {verb} not compile", counted(many as u64, "file")),
+    };
     let weak = if totals.weak == 0 { String::new() } else { format!(" ({} weak)", totals.weak) };
     let _ = writeln!(
         text,
-        "{paint}{word}{}: {} functions run{weak}, {} not run, {} findings, {} warnings{broken}",
-        style.off, totals.run, totals.not_run, totals.findings, totals.warnings
+        "{paint}{word}{}: {} run{weak}, {} not run, {}, {}{broken}",
+        style.off,
+        counted(totals.run as u64, "function"),
+        totals.not_run,
+        counted(totals.findings as u64, "finding"),
+        counted(totals.warnings as u64, "warning")
     );
     text
+}
+
+/// Lanes that did not run functions which others ran, with the reason, and how many functions.
+fn not_run(summary: &Summary) -> BTreeMap<(Vec<&str>, &str), u64> {
+    let mut all = BTreeMap::new();
+    for function in summary.files.iter().flat_map(|file| &file.functions) {
+        if function.lanes.iter().all(|lane| lane.not_run.is_some()) {
+            continue;
+        }
+        let mut reasons: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+        for lane in &function.lanes {
+            if let Some(why) = &lane.not_run {
+                reasons.entry(why).or_default().push(lane.lane);
+            }
+        }
+        for (why, lanes) in reasons {
+            *all.entry((lanes, why)).or_default() += 1;
+        }
+    }
+    all
 }
