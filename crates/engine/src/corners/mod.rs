@@ -1,7 +1,8 @@
 //! What the specifications say of built-in functions, operators and conversions at their edges, as data: a row for each, with
 //! inputs of every corner that it has and the values that are right there.
 //!
-//! [`functions`] leads from every built-in of a language to its rows, so that one without a row does not compile.
+//! [`of_function`], [`of_math`], [`of_binary`], [`of_unary`] and [`of_operation`] lead from every built-in to its rows, so that one
+//! without a row does not compile.
 
 mod functions;
 mod number;
