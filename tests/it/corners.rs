@@ -104,6 +104,11 @@ fn sample(prepared: &Prepared, case: &Case) -> Sample {
     Sample { invocation: case.arguments.clone(), case: Vec::new(), invocation_record: invocation, case_record: of_case }
 }
 
+/// Whether HLSL cannot be read, since no compiler of it is found.
+fn lacks_compiler(error: &RunError) -> bool {
+    error.to_string().contains("HLSL needs a compiler, and none is found")
+}
+
 fn profile_of(language: Language) -> &'static profile::Profile {
     let name = match language {
         Language::Glsl | Language::Hlsl => "glsl-4.60",
@@ -159,10 +164,15 @@ fn show(words: &[u32], types: &[(Scalar, usize)]) -> String {
 #[test]
 fn what_the_judge_accepts_in_every_corner_is_what_the_table_says() {
     let (mut wrong, mut looked, mut not_held) = (Vec::new(), 0_usize, BTreeSet::new());
+    let mut without = None;
     for row in rows() {
         for language in Language::ALL.into_iter().filter(|&language| row.text(language).is_some()) {
             let prepared = match prepared(language, &[row]) {
                 Ok(prepared) => prepared,
+                Err(error) if lacks_compiler(&error) => {
+                    without = Some(error);
+                    continue;
+                }
                 Err(error) => {
                     wrong.push(format!("{language} `{}`: {error}", row.text(language).unwrap()));
                     continue;
@@ -220,8 +230,15 @@ fn what_the_judge_accepts_in_every_corner_is_what_the_table_says() {
         }
     }
     assert!(wrong.is_empty(), "{} of {looked}\n{}", wrong.len(), wrong.join("\n"));
-    assert!(looked > 8000, "{looked}");
-    assert_eq!(not_held.len(), NOT_HELD.len(), "held again: {not_held:?}");
+    if let Some(error) = without {
+        not_run(&format!("the corners of HLSL: {error}"));
+    } else {
+        assert!(looked > 8000, "{looked}");
+    }
+    // slangc writes OpFRem for HLSL's `fmod`: what is not held there is of glslang alone.
+    let required = |&k: &usize| NOT_HELD[k].1 != Language::Hlsl;
+    let again: Vec<_> = (0..NOT_HELD.len()).filter(required).filter(|k| !not_held.contains(k)).collect();
+    assert!(again.is_empty(), "held again: {again:?}");
 }
 
 /// Rows with the same arguments, for a language.
@@ -291,8 +308,8 @@ fn every_lane_gives_in_every_corner_what_the_table_says_and_is_not_accused() {
         for group in groups(language) {
             let prepared = match prepared(language, &group) {
                 Ok(prepared) => prepared,
-                Err(error) if language == Language::Hlsl && error.to_string().contains("is not installed") => {
-                    not_run(&format!("glslang is not installed: the corners of HLSL\n{error}"));
+                Err(error) if lacks_compiler(&error) => {
+                    not_run(&format!("the corners of HLSL: {error}"));
                     break;
                 }
                 Err(error) => panic!("{language}: {error}\n{}", text(language, &group)),
