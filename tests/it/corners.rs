@@ -241,6 +241,24 @@ fn what_the_judge_accepts_in_every_corner_is_what_the_table_says() {
     assert!(again.is_empty(), "held again: {again:?}");
 }
 
+/// What the judge says of words that are given for a function of WGSL without arguments that count.
+fn of_constant(expression: &str, given: f32) -> Verdict {
+    let toml = "suite = \"c\"\nshader = \"c.wgsl\"\nstage = \"function\"\nentry = \"f\"\n\
+                [[inputs]]\nnames = [\"x\"]\ngenerator = \"interval\"\nrange = [0.0, 1.0]\n";
+    let suite = parse(&SourceFile::new("c.suite.toml", toml)).unwrap();
+    let text = format!("fn f(x: f32) -> f32 {{\n    return {expression};\n}}\n");
+    let prepared = prepare(&suite, &SourceFile::new("c.wgsl", text)).unwrap();
+    let case = Case { arguments: vec![0], values: engine::corners::Values::Any };
+    verdicts(&prepared, Language::Wgsl, &[(&case, given.to_bits())]).remove(0)
+}
+
+#[test]
+fn a_remainder_of_constants_that_are_not_followed_may_be_anything_and_a_quotient_not() {
+    let of = |operator: &str| format!("select(1.0, 100.0, !false) {operator} 0.99999994");
+    assert!(matches!(of_constant(&of("%"), 7.629_394_5e-6), Verdict::Undetermined(_)));
+    assert!(matches!(of_constant(&of("/"), 100.5), Verdict::Deviate(_)));
+}
+
 /// Rows with the same arguments, for a language.
 fn groups(language: Language) -> Vec<Vec<&'static Row>> {
     let mut groups: Vec<Vec<&Row>> = Vec::new();

@@ -3,12 +3,13 @@
 
 use std::fmt::Write as _;
 
+use base::text::SourceFile;
 use base::value::Batch;
 use engine::shard::Shard;
 use engine::suite::run::{
-    FindingKind, Part, Prepared, Request, Share, check_translations, check_translations_with, run_part,
+    FindingKind, Part, Prepared, Request, Share, check_translations, check_translations_with, prepare, run_part,
 };
-use engine::suite::shipped;
+use engine::suite::{parse, shipped};
 use judge::profile::Promises;
 use judge::verdict::{Comparison, Difference, Translations, Unread};
 use lanes::{Api, Stage, embedded};
@@ -303,6 +304,23 @@ fn the_number_of_the_vertex_is_the_same_in_every_language() {
         let compared = beside(&program, language, &moved).compare(&batch).unwrap();
         assert!(compared[0].deviating.len() > 250, "{compared:?}");
     }
+}
+
+#[test]
+fn a_remainder_is_the_same_in_the_steps_that_define_it() {
+    let suite = "suite = \"r\"\nshader = \"r.wgsl\"\nstage = \"function\"\nentry = \"f\"\n\
+                 [[inputs]]\nnames = [\"a\"]\ngenerator = \"vector\"\nrange = [-1.0, 1.0]\n";
+    let suite = parse(&SourceFile::new("r.suite.toml", suite)).unwrap();
+    let text = "fn f(a: vec4f) -> vec3f {\n\
+                return vec3f(a.z % a.w + a.x % (a.y * 1e-15), bitcast<vec2f>(bitcast<vec2u>(a.zw % vec2f(1.0, a.x * 1e-20))));\n}\n";
+    let program = prepare(&suite, &SourceFile::new("r.wgsl", text)).unwrap().program;
+    let batch = any_batch(&program, 300);
+    let compared = Translations::of(&program).compare(&batch).unwrap();
+    assert!(compared.len() > 1 && compared.iter().all(|one| one.deviating.is_empty()), "{compared:?}");
+    // Rounded to the nearest instead of towards zero it is another function.
+    let moved = edited(&program, Language::Glsl450, "trunc(", "round(");
+    let compared = beside(&program, Language::Glsl450, &moved).compare(&batch).unwrap();
+    assert!(compared[0].deviating.len() > 50, "{compared:?}");
 }
 
 /// What a run of a suite that passes found, before its translations are looked at.

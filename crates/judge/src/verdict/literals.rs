@@ -46,8 +46,12 @@ pub(super) fn written(
             None => {
                 let literal = alone(program, executable, site, value);
                 // Folded from a text that is not known here: each front end has functions of its own.
-                let folded = literal.slack > 0.0 && text(program, executable, site).is_some();
-                Written { module, literal, spread: if folded { FOLDED * literal.slack } else { 0.0 } }
+                let spread = match text(program, executable, site) {
+                    Some(text) if jumps(text) => f64::INFINITY,
+                    Some(_) => FOLDED * literal.slack,
+                    None => 0.0,
+                };
+                Written { module, literal, spread }
             }
         };
         let same = Written { module, literal: Literal { value: module, slack: 0.0 }, spread: 0.0 };
@@ -65,6 +69,11 @@ fn alone(program: &Program, executable: &Executable, site: Site, value: f32) -> 
         _ if is_plain(value) => Literal { value: exact, slack: 0.0 },
         _ => Literal { value: exact, slack: base::value::ulp_at(exact) },
     }
+}
+
+/// Whether a constant expression has a remainder: one rounding before it may move the result by a whole divisor.
+fn jumps(text: &str) -> bool {
+    text.contains('%')
 }
 
 /// The text of a site.

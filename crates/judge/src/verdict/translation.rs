@@ -202,7 +202,7 @@ impl Translations {
     fn compare_some(&self, batch: &Batch, wanted: impl Fn(Language) -> bool) -> Result<Vec<Comparison>, CompareError> {
         let Some(source) = &self.source else { return Ok(Vec::new()) };
         let laid = source.bound.as_ref().map(|bound| bound.feed(batch));
-        let meaning = source.executable.run::<Binary64>(laid.as_ref().unwrap_or(batch), FUEL)?;
+        let meaning = source.executable.run_with(laid.as_ref().unwrap_or(batch), FUEL, real)?;
         let readable = self.sides.iter().filter_map(|(language, side)| Some((*language, side.as_ref().ok()?)));
         readable
             .filter(|(language, _)| wanted(*language))
@@ -232,7 +232,7 @@ impl Original {
         source: &Meaning<f64>,
     ) -> Result<Comparison, CompareError> {
         let laid = side.back.feed(batch);
-        let translation = side.executable.run::<Binary64>(&laid, FUEL)?;
+        let translation = side.executable.run_with(&laid, FUEL, real)?;
         let mut comparison = Comparison { language, agreed: 0, deviating: Vec::new(), undetermined: 0, first: None };
         let (mut rounded, mut meant) = (None, None);
         for invocation in 0..source.count() {
@@ -279,7 +279,7 @@ impl Original {
             numbers[site.index()] = constant.unwrap_or_else(|| f64::from(value));
         }
         let numbers: Arc<[f64]> = numbers.into();
-        executable.run_with(batch, FUEL, || Binary64::with_literals(numbers.clone()))
+        executable.run_with(batch, FUEL, || Binary64::with_literals(numbers.clone()).stepwise())
     }
 
     fn difference(&self, source: &Meaning<f64>, translation: &Meaning<f64>, invocation: usize) -> Option<Difference> {
@@ -318,6 +318,11 @@ impl Original {
         }
         None
     }
+}
+
+/// The numbers of both sides. What lacks `%` writes it in steps (GLSL's reals), which is no other meaning.
+fn real() -> Binary64 {
+    Binary64::default().stepwise()
 }
 
 /// The same words wherever the shader writes some.

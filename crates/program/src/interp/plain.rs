@@ -187,6 +187,8 @@ impl Number for f32 {
 pub struct Plain<T> {
     /// Numbers in the place of literals, by the number of their site; NaN where there is none.
     literals: Option<Arc<[f64]>>,
+    /// `%` in the steps of its definition.
+    stepwise: bool,
     numbers: PhantomData<T>,
 }
 
@@ -194,7 +196,13 @@ impl<T> Plain<T> {
     /// The domain with other numbers in the place of literals: by the number of their site, NaN where
     /// the literal stays.
     pub fn with_literals(literals: Arc<[f64]>) -> Self {
-        Self { literals: Some(literals), numbers: PhantomData }
+        Self { literals: Some(literals), stepwise: false, numbers: PhantomData }
+    }
+
+    /// The domain with `x % y` as `x - y * trunc(x / y)`, each step rounded, instead of the exact remainder: the two
+    /// are far apart where `x / y` is near a whole number or has more digits than T.
+    pub fn stepwise(self) -> Self {
+        Self { stepwise: true, ..self }
     }
 }
 
@@ -430,6 +438,9 @@ impl<T: Number> Domain for Plain<T> {
             Binary::Subtract => zip(a, b, out, |a, b| a - b),
             Binary::Multiply => zip(a, b, out, |a, b| a * b),
             Binary::Divide => zip(a, b, out, |a, b| a / b),
+            Binary::Remainder if self.stepwise => {
+                zip(a, b, out, |a, b| a - b * T::nearest((a / b).widen().trunc()));
+            }
             Binary::Remainder => zip(a, b, out, |a, b| a % b),
             Binary::Min => zip(a, b, out, |a, b| if b < a { b } else { a }),
             Binary::Max => zip(a, b, out, |a, b| if a < b { b } else { a }),
