@@ -262,6 +262,73 @@ const STALE: [(&str, Plant); 2] = [
     }),
 ];
 
+/// A third set, thought of after the second was judged rightly.
+const THIRD_BY_INPUT: [(&str, Plant); 14] = [
+    ("a count of leading zeros", |r| {
+        r.each(|r, k| r.batch.invocation(k)[0].leading_zeros() == 2, |x| x + 0.25);
+    }),
+    ("two inputs in one order", |r| r.each(|r, k| r.batch.invocation(k)[0] < r.batch.invocation(k)[1], |x| x - 0.25)),
+    ("two inputs of one sign", |r| {
+        r.each(|r, k| (r.batch.invocation(k)[0] ^ r.batch.invocation(k)[1]) >> 31 == 0, |x| x * 1.5 + 0.1);
+    }),
+    ("an exponent one too small", |r| r.each(|_, _| true, |x| x * 0.5 - 0.01)),
+    ("the mantissa inverted", |r| r.each(|_, _| true, |x| f32::from_bits(x.to_bits() ^ 0x007f_ffff))),
+    ("numbers read as whole ones", |r| r.each(|_, _| true, |x| x.to_bits() as f32)),
+    ("whole numbers read as numbers", |r| r.each(|_, _| true, |x| f32::from_bits(x as i32 as u32 ^ 0x3f00_0000))),
+    ("wrapped at a half", |r| r.each(|_, _| true, |x| (x + 0.5).rem_euclid(1.0) - 0.499)),
+    ("squared", |r| r.each(|_, _| true, |x| x * x + 1e-3)),
+    ("the last output of the first", |r| {
+        for k in 0..r.count {
+            let out = r.out(k);
+            let last = out.len() - 1;
+            out[last] = (f32::from_bits(out[0]) - 0.3).to_bits();
+        }
+    }),
+    ("outputs moved by one", |r| {
+        (0..r.count).for_each(|k| r.out(k).rotate_left(1));
+        r.each(|_, _| true, |x| x + 1e-3);
+    }),
+    ("large results alone", |r| r.each(|_, _| true, |x| if x.abs() > 0.75 { x * 1.125 } else { x })),
+    ("small results are zero", |r| r.each(|_, _| true, |x| if x.abs() < 0.0625 { 0.0 } else { x })),
+    ("not a number for a sign", |r| r.each(|_, _| true, |x| if x < 0.0 { f32::NAN } else { x })),
+];
+
+/// The same of memory.
+const THIRD_BY_PLACE: [(&str, Plant); 8] = [
+    ("every thousandth bit", |r| {
+        for at in (0..r.words.len() * 32).step_by(9973) {
+            let (word, header) = (at / 32, r.layout.header_words());
+            if word % r.layout.words() >= header {
+                r.words[word] ^= 1 << (at % 32).clamp(20, 30);
+            }
+        }
+    }),
+    ("a column of a table of 32", |r| places(r, |k, _| k % 32 == 7)),
+    ("a row of a table of 32", |r| places(r, |k, _| (224..256).contains(&k))),
+    ("odd groups", |r| places(r, |k, n| n > 64 && k / 64 % 2 == 1)),
+    ("twos of a group exchanged", |r| {
+        for k in (64..128.min(r.count.saturating_sub(1))).step_by(2) {
+            let (a, b) = (r.out(k).to_vec(), r.out(k + 1).to_vec());
+            r.out(k).copy_from_slice(&b);
+            r.out(k + 1).copy_from_slice(&a);
+        }
+    }),
+    ("a word of the invocation 16 before", |r| {
+        for k in (16..r.count).rev() {
+            r.out(k)[1] = r.out(k - 16)[1];
+        }
+    }),
+    ("ones in the last record", |r| {
+        let last = r.count - 1;
+        r.out(last).fill(0x3f80_0000);
+    }),
+    ("a byte of one word", |r| {
+        if r.count > 70 {
+            r.out(70)[0] ^= 0x3f00_0000;
+        }
+    }),
+];
+
 /// What is no fault at all: zeros of either sign, and subnormal numbers that are flushed.
 const NOBODYS: [(&str, Plant); 2] = [
     ("the sign of zero", |r| r.each(|_, _| true, |x| if x == 0.0 { -x } else { x })),
@@ -358,6 +425,18 @@ fn faults_that_were_thought_of_later_are_blamed_on_the_part_that_has_them() {
     let (wrong, _) =
         wrongly(&NOBODYS, &[("every lane", &["a", "b", "c", "d"], ""), ("an executor", &["a", "b"], "")], usize::MAX);
     assert!(wrong.is_empty(), "{wrong:?}");
+}
+
+#[test]
+fn faults_of_a_third_set_are_blamed_on_the_part_that_has_them() {
+    let plans: [Plan; 3] = [
+        ("an executor", &["a", "b"], "executor X"),
+        ("a translator", &["a", "c"], "translator naga"),
+        ("a pair", &["a"], "pair"),
+    ];
+    rightly(&THIRD_BY_INPUT, &plans, 42);
+    let plans: [Plan; 2] = [("one lane", &["a"], "position X"), ("an executor", &["a", "b"], "position X")];
+    rightly(&THIRD_BY_PLACE, &plans, 16);
 }
 
 #[test]
