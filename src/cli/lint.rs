@@ -27,7 +27,7 @@ use base::text::{Edit, EditList, Encoding, Shown, SourceFile};
 use disk::fresh;
 use lint::fix::{FixedFile, Outcome};
 use lint::{Input, Level};
-use report::lint::{Context, FORMATS, Format, by_name};
+use report::lint::{Context, FORMATS, Format, by_name, grouped};
 use syntax::Stage;
 
 use files::Loaded;
@@ -71,6 +71,12 @@ pub struct LintArgs {
     /// How findings are printed; text when it is left out
     #[arg(long, value_parser = formats())]
     pub format: Option<String>,
+    /// Print how often each rule was found, and no findings
+    #[arg(long, conflicts_with_all = ["format", "diff", "write_baseline"])]
+    pub statistics: bool,
+    /// Print information as well where folders are searched; it is always there where files or rules are named
+    #[arg(long)]
+    pub info: bool,
     /// Write the report to a file, and findings as text to standard output
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -351,17 +357,27 @@ impl Session<'_> {
         let context = Context { lang: self.lang, color: self.color, root };
         let format = self.args.format.as_deref().and_then(by_name).unwrap_or(FORMATS[0]);
         let write = |format: &Format, context: &Context| (format.write)(&found, context);
-        match &self.args.output {
-            None => self.out.write_all(write(format, &context).as_bytes())?,
-            Some(path) => {
-                let report = write(format, &Context { color: false, ..context.clone() });
-                fresh::write(path, report.as_bytes())
-                    .with_context(|| format!("{}: cannot be written", path.shown()))?;
-                self.out.write_all(write(FORMATS[0], &context).as_bytes())?;
-            }
+        // Whoever names a rule asks for what it says.
+        let info = self.args.info || !self.args.select.is_empty() || !self.loaded.is_folder;
+        let text = || match () {
+            () if self.args.statistics => grouped::statistics(&found),
+            () if self.loaded.is_folder => grouped::write(&found, info, &context),
+            () => write(FORMATS[0], &context),
+        };
+        let is_text = format.name == FORMATS[0].name;
+        if let Some(path) = &self.args.output {
+            let report = write(format, &Context { color: false, ..context.clone() });
+            fresh::write(path, report.as_bytes()).with_context(|| format!("{}: cannot be written", path.shown()))?;
         }
+        let shown = if is_text || self.args.output.is_some() { text() } else { write(format, &context) };
+        self.out.write_all(shown.as_bytes())?;
         for line in done.into_iter().chain(summary::totals(&found, &self.loaded.inputs, self.lang)) {
             writeln!(self.err, "{line}")?;
+        }
+        if is_text && self.loaded.is_folder && !self.args.statistics {
+            for line in summary::next(&found, info, self.lang) {
+                writeln!(self.err, "{line}")?;
+            }
         }
         Ok(status_of(&found))
     }

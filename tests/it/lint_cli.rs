@@ -57,9 +57,9 @@ fn the_nearest_configuration_holds_and_options_go_before_it() {
         ("old/shadercheck.toml", "[lint]\nignore = [\"N014\"]\n"),
     ]);
     let found = |args: &str| codes(&lint(folder.path(), &format!("{args} --format json")));
-    assert_eq!(found("."), ["./a.vert N014", "./old/deep/b.vert T001"]);
+    assert_eq!(found("."), ["a.vert N014", "old/deep/b.vert T001"]);
     assert_eq!(codes(&lint(&folder.path().join("old/deep"), "b.vert ../a.vert --format json")), ["b.vert T001"]);
-    assert_eq!(found(". --ignore T"), ["./a.vert N014", "./old/a.vert N014"], "in place of the file's list");
+    assert_eq!(found(". --ignore T"), ["a.vert N014", "old/a.vert N014"], "in place of the file's list");
     assert_eq!(found("old --no-config"), ["old/a.vert N014", "old/deep/b.vert T001"]);
     assert_eq!(found("old --config shadercheck.toml"), ["old/a.vert N014"]);
 }
@@ -72,8 +72,25 @@ fn rules_are_left_out_for_files_that_match() {
         ("own/generated.vert", WRONG),
         ("shadercheck.toml", "[lint.per-file-ignores]\n\"third/**\" = [\"N\"]\n\"generated.*\" = [\"T001\"]\n"),
     ]);
-    assert_eq!(codes(&lint(folder.path(), ". --format json")), ["./own/a.vert N014"]);
+    assert_eq!(codes(&lint(folder.path(), ". --format json")), ["own/a.vert N014"]);
     assert_eq!(codes(&lint(&folder.path().join("third/x"), "a.vert --format json")), Vec::<String>::new());
+}
+
+#[test]
+fn a_folder_is_told_by_cause_and_its_information_on_request() {
+    let folder = folder(&[("a.vert", LITERAL), ("b.vert", WRONG), ("c/d.vert", WRONG), ("c/e.vert", WRONG)]);
+    let ran = lint(folder.path(), "").expect(1);
+    assert_eq!(ran.out.matches("error[T001").count(), 1, "{}", ran.out);
+    assert!(ran.out.contains(" --> b.vert:") && ran.out.contains("\n  also at c/d.vert:"), "{}", ran.out);
+    assert!(!ran.out.contains("info[") && ran.err.contains("`--info` prints the 1 info as well"), "{ran:?}");
+    assert!(lint(folder.path(), "--info").out.contains("info[N014"));
+    // What is named is told whole.
+    assert!(lint(folder.path(), "--select N014").out.contains("info[N014"));
+    assert!(lint(folder.path(), "a.vert").out.contains("info[N014"));
+    assert_eq!(lint(folder.path(), "c/d.vert c/e.vert").out.matches("error[T001").count(), 2);
+    let counts = lint(folder.path(), "--statistics").expect(1).out;
+    let lines: Vec<Vec<&str>> = counts.lines().map(|line| line.split_whitespace().take(3).collect()).collect();
+    assert_eq!(lines, [["3", "error", "T001"], ["1", "info", "N014"]]);
 }
 
 #[test]
@@ -81,7 +98,7 @@ fn a_rule_goes_by_its_name_wherever_it_goes_by_its_code() {
     let silenced = LITERAL.replace("turn;\n  gl", "turn; // shadercheck: ignore[low-precision-pi] as on paper\n  gl");
     let folder = folder(&[("a.vert", LITERAL), ("b.vert", WRONG), ("c.vert", &silenced)]);
     let found = |args: &str| codes(&lint(folder.path(), &format!(". --format json {args}")));
-    let (literal, wrong) = ("./a.vert N014", "./b.vert T001");
+    let (literal, wrong) = ("a.vert N014", "b.vert T001");
     assert_eq!(found(""), [literal, wrong]);
     for name in ["low-precision-pi", "low_precision_pi", "LOW-Precision-Pi"] {
         assert_eq!(found(&format!("--select {name}")), [literal]);
@@ -120,7 +137,7 @@ fn rules_see_what_a_shader_includes_and_tell_each_file_its_own() {
     assert_eq!(with(WAITS), (vec![], vec![]));
     let unset = WAITS.replace("return v * 0.5;", "float h; return v * h;");
     // What is wrong in the other file is told there, once.
-    assert_eq!(with(&unset), (vec![], vec!["./inc/wait.glsl D001".to_owned()]));
+    assert_eq!(with(&unset), (vec![], vec!["inc/wait.glsl D001".to_owned()]));
     let forgets = WAITS.replace("; barrier()", "");
     assert_eq!(with(&forgets).0, ["pass/k.comp K001"]);
     // A file that is missing leaves the text as it is: nothing is known of its names.
@@ -250,7 +267,7 @@ fn what_git_ignores_is_left_out_unless_it_is_named() {
         ("build/c.vert", WRONG),
         (".hidden/d.vert", WRONG),
     ]);
-    assert_eq!(codes(&lint(folder.path(), ". --format json")), ["./a.vert T001"]);
+    assert_eq!(codes(&lint(folder.path(), ". --format json")), ["a.vert T001"]);
     assert_eq!(codes(&lint(folder.path(), "build/c.vert --format json")), ["build/c.vert T001"]);
     assert_eq!(codes(&lint(folder.path(), "build --format json")), ["build/c.vert T001"]);
 }
@@ -310,8 +327,8 @@ fn other_commands_read_the_same_encodings() {
 fn a_repair_is_run_before_and_after() {
     let folder = folder(&[("a.vert", LITERAL), ("b.vert", WRONG)]);
     let ran = lint(folder.path(), ". --diff --unsafe-fixes --prove").expect(1);
-    assert!(ran.err.contains("./a.vert: `gl_Position` moves in ") && ran.err.contains(" ULP) at most"), "{}", ran.err);
-    assert!(ran.err.contains("./b.vert: not compared: the text before does not compile"), "{}", ran.err);
+    assert!(ran.err.contains("a.vert: `gl_Position` moves in ") && ran.err.contains(" ULP) at most"), "{}", ran.err);
+    assert!(ran.err.contains("b.vert: not compared: the text before does not compile"), "{}", ran.err);
     assert_eq!(read(&folder, "a.vert"), LITERAL);
 }
 

@@ -112,6 +112,8 @@ pub struct Loaded {
     sources: BTreeMap<String, Candidate>,
     /// Names of all texts by their real paths.
     names: BTreeMap<PathBuf, String>,
+    /// A folder was searched.
+    pub is_folder: bool,
 }
 
 struct Candidate {
@@ -200,6 +202,7 @@ pub fn load(paths: &[PathBuf], stage: Option<Stage>, folders: &[PathBuf]) -> any
         match fs::metadata(path) {
             Err(source) => loaded.problems.push(InputError::Unreadable { path: path.clone(), source }),
             Ok(meta) if meta.is_dir() => {
+                loaded.is_folder = true;
                 let found = search(path, &mut loaded.problems);
                 if found.iter().all(|file| language_of(&name(file)).is_none() && !lacks_rules(file)) {
                     searched.push(path.clone());
@@ -330,7 +333,12 @@ fn identity(path: &Path) -> PathBuf {
 /// A path as messages show it, and as rules compare it.
 pub fn name(path: &Path) -> String {
     let name = path.to_string_lossy();
-    if std::path::MAIN_SEPARATOR == '\\' { name.replace('\\', "/") } else { name.into_owned() }
+    let name = if std::path::MAIN_SEPARATOR == '\\' { name.replace('\\', "/") } else { name.into_owned() };
+    // What is found below `.` is told as it would be named.
+    match name.strip_prefix("./") {
+        Some(rest) if !rest.is_empty() => rest.to_owned(),
+        _ => name,
+    }
 }
 
 fn read(path: &Path) -> Result<Decoded, InputError> {

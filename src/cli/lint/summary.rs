@@ -89,11 +89,36 @@ pub fn totals(found: &[Diagnostic], inputs: &[Input], lang: Lang) -> Vec<String>
         let found = findings(safe);
         lines.push(message!("{found} can be fixed with --fix", "{safe} 件は --fix で修正できます"));
     }
-    if risky > 0 {
+    if risky > 0 && safe > 0 {
         let need = if risky == 1 { "needs" } else { "need" };
         lines.push(message!(
             "{risky} more {need} --fix --unsafe-fixes",
             "さらに {risky} 件は --fix --unsafe-fixes で修正できます"
+        ));
+    } else if risky > 0 {
+        let found = findings(risky);
+        lines.push(message!(
+            "{found} can be fixed with --fix --unsafe-fixes",
+            "{risky} 件は --fix --unsafe-fixes で修正できます"
+        ));
+    }
+    lines.iter().map(|line| line.in_lang(lang).to_owned()).collect()
+}
+
+/// Findings from which on a summary names other ways to look at them.
+const MANY: usize = 10;
+
+/// What can be asked for next, after findings of a folder.
+pub fn next(found: &[Diagnostic], info: bool, lang: Lang) -> Vec<String> {
+    let infos = found.iter().filter(|d| d.severity == Severity::Info).count();
+    let mut lines = Vec::new();
+    if !info && infos > 0 {
+        lines.push(message!("`--info` prints the {infos} info as well", "情報 {infos} 件は `--info` で表示します"));
+    }
+    if found.len() - infos > MANY {
+        lines.push(message!(
+            "`--statistics` counts by rule; `--write-baseline FILE` records what is there, so that only new findings are told",
+            "`--statistics` は規則ごとの件数、`--write-baseline FILE` は今ある指摘を記録し、以後は新しいものだけを示します"
         ));
     }
     lines.iter().map(|line| line.in_lang(lang).to_owned()).collect()

@@ -82,7 +82,7 @@ fn fix_writes_safe_fixes_and_says_what_more_there_is() {
     let ran = lint(&at(&folder, "cylinder.vert"), |a| a.fix = true);
     assert_eq!(ran.status, ExitStatus::Clean, "{}", ran.err);
     assert!(ran.err.contains("fixed 1 finding in 1 file"), "{}", ran.err);
-    assert!(ran.err.contains("1 more needs --fix --unsafe-fixes"), "{}", ran.err);
+    assert!(ran.err.contains("1 finding can be fixed with --fix --unsafe-fixes"), "{}", ran.err);
     let ran = lint(&at(&folder, "cylinder.vert"), |a| (a.fix, a.unsafe_fixes) = (true, true));
     assert_eq!((ran.status, ran.out.as_str()), (ExitStatus::Clean, ""));
     assert_eq!(read(&folder.path().join("cylinder.vert")), REPAIRED);

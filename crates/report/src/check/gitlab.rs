@@ -13,13 +13,13 @@ pub const FORMAT: Format = Format {
     write: |summary| Ok(gitlab(summary)),
 };
 
-/// An issue for each finding. The message stands for its place: it names the suite, the lane and the output, and the numbers
-/// in it are those of the smallest inputs, which stay the same for one shader and seed.
+/// An issue for each fault. What stands for its place names the suite and what is wrong, and neither lanes nor places in the
+/// text: both change while the fault stays.
 fn gitlab(summary: &Summary) -> String {
     let mut issues = Issues::default();
     for item in items::all(summary) {
         let line = item.at.map_or(1, |(line, _)| line);
-        issues.add(item.severity, &item.code, &item.message, &items::relative(&item.file), line, &item.message);
+        issues.add(item.severity, &item.code, &item.message, &items::relative(&item.file), line, &item.identity());
     }
     issues.report()
 }

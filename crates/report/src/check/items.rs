@@ -1,10 +1,12 @@
 //! Everything that is wrong in a run, once, in the form from which every format for other programs is made.
 
+use std::fmt::Write as _;
 use std::path::Path;
 
 use base::diagnostic::Severity;
 use engine::suite::run::{Entry, Finding, Outcome, RunError, Summary};
 use judge::verdict::diagnosis::{Diagnosis, Place};
+use judge::verdict::{Blame, What};
 
 /// Something that is wrong.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,6 +23,64 @@ pub(super) struct Item {
     pub file: String,
     /// Line and column in it, from 1; none for a finding about the whole shader.
     pub at: Option<(usize, usize)>,
+    /// Where a finding of a suite was seen; none for what is about no lane.
+    seen: Option<Seen>,
+}
+
+/// Suite and lanes of a finding.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Seen {
+    suite: String,
+    /// Each as `lane/stage`.
+    lanes: Vec<String>,
+    /// What is the same in findings of one fault.
+    fault: String,
+}
+
+impl Seen {
+    /// What a message begins with.
+    fn on(&self) -> String {
+        let (suite, first) = (&self.suite, &self.lanes[0]);
+        match self.lanes.len() {
+            1 => format!("{suite} on {first}"),
+            n => format!("{suite} on {first} and {} more", n - 1),
+        }
+    }
+}
+
+impl Item {
+    /// Whether another finding is of the same fault, on another lane.
+    fn is_of(&self, other: &Self) -> bool {
+        let same = |own: &Seen, other: &Seen| own.suite == other.suite && own.fault == other.fault;
+        let seen = self.seen.as_ref().zip(other.seen.as_ref()).is_some_and(|(own, other)| same(own, other));
+        seen && (&self.code, &self.file, self.at) == (&other.code, &other.file, other.at)
+    }
+
+    /// What stays the same from run to run while the fault is there.
+    pub(super) fn identity(&self) -> String {
+        self.seen.as_ref().map_or_else(|| self.message.clone(), |seen| format!("{}: {}", seen.suite, seen.fault))
+    }
+
+    /// Takes a lane more.
+    fn also(&mut self, other: &Self) {
+        let (Some(seen), Some(other)) = (&mut self.seen, &other.seen) else { return };
+        let before = seen.on();
+        seen.lanes.extend(other.lanes.iter().cloned());
+        let now = seen.on();
+        self.message = self.message.replacen(&before, &now, 1);
+        self.details = self.details.replacen(&before, &now, 1);
+    }
+
+    /// All that is known, with the names of the lanes.
+    fn with_lanes(mut self) -> Self {
+        let lanes = self.seen.iter().flat_map(|seen| seen.lanes.iter().skip(1).cloned());
+        let lanes: Vec<String> = lanes.collect();
+        self.details = self.details.trim().to_owned();
+        if !lanes.is_empty() {
+            let _ = write!(self.details, "\n  also on    {}", lanes.join(", "));
+        }
+        self
+    }
 }
 
 /// What is wrong with an entry.
@@ -32,11 +92,16 @@ pub(super) fn of_entry(entry: &Entry) -> Vec<Item> {
         message,
         file: entry.shader.clone(),
         at: None,
+        seen: None,
     };
     match &entry.outcome {
         Outcome::Ran(report) => {
-            let on = format!("{} on {}/{}", report.suite, report.lane, report.stage);
-            report.findings.iter().map(|finding| of_finding(&on, &report.shader, finding)).collect()
+            let seen = |finding: &Finding| Seen {
+                suite: report.suite.clone(),
+                lanes: vec![format!("{}/{}", report.lane, report.stage)],
+                fault: fault(finding),
+            };
+            report.findings.iter().map(|finding| of_finding(seen(finding), &report.shader, finding)).collect()
         }
         Outcome::Refused(RunError::Shader { diagnostics, .. }) => diagnostics
             .iter()
@@ -49,6 +114,7 @@ pub(super) fn of_entry(entry: &Entry) -> Vec<Item> {
                     details: crate::diagnostics::text(d, base::diagnostic::Lang::En, false),
                     file: d.file.name().to_owned(),
                     at: Some((at.line, at.column)),
+                    seen: None,
                 }
             })
             .collect(),
@@ -58,7 +124,19 @@ pub(super) fn of_entry(entry: &Entry) -> Vec<Item> {
     }
 }
 
-fn of_finding(on: &str, shader: &str, finding: &Finding) -> Item {
+/// What is the same in findings of one fault on several lanes: of the shader's own, the component that is wrong, and not
+/// the numbers.
+fn fault(finding: &Finding) -> String {
+    let deviation = finding.case.as_ref().and_then(|case| case.deviation.as_ref());
+    match deviation.filter(|deviation| deviation.blame == Blame::Shader).map(|deviation| &deviation.what) {
+        Some(What::Value(value)) => value.component.clone(),
+        Some(What::NotWritten { component, .. }) => component.clone(),
+        Some(_) | None => finding.message.clone(),
+    }
+}
+
+fn of_finding(seen: Seen, shader: &str, finding: &Finding) -> Item {
+    let on = &seen.on();
     let place = finding.case.as_ref().and_then(|case| shown(&case.diagnosis)).map(|place| &place.at);
     let at = place.and_then(|at| at.position).map(|position| (position.line, position.column));
     let file = place.map_or_else(|| shader.to_owned(), |at| at.file.clone());
@@ -69,6 +147,7 @@ fn of_finding(on: &str, shader: &str, finding: &Finding) -> Item {
         details: super::block::block(on, shader, finding),
         file,
         at,
+        seen: Some(seen),
     }
 }
 
@@ -85,9 +164,21 @@ fn shown(diagnosis: &Diagnosis) -> Option<&Place> {
     place(diagnosis).or(diagnosis.written.as_ref())
 }
 
-/// Everything that is wrong in a run, in its order; what a suite shows on several lanes comes once for each.
+/// Everything that is wrong in a run, in its order; a fault that a suite shows on several lanes comes once.
 pub(super) fn all(summary: &Summary) -> Vec<Item> {
-    summary.entries.iter().flat_map(of_entry).collect()
+    once(summary.entries.iter().flat_map(of_entry))
+}
+
+/// What is of one fault, as one item.
+fn once(items: impl IntoIterator<Item = Item>) -> Vec<Item> {
+    let mut all: Vec<Item> = Vec::new();
+    for item in items {
+        match all.iter_mut().find(|known| known.is_of(&item)) {
+            Some(known) => known.also(&item),
+            None => all.push(item),
+        }
+    }
+    all.into_iter().map(Item::with_lanes).collect()
 }
 
 /// A path as services that show findings want it: from the root of the repository on, without `./`.
@@ -101,6 +192,7 @@ pub(super) fn relative(file: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use engine::suite::run::FindingKind;
     use judge::verdict::diagnosis::ShortLiteral;
 
     #[test]
@@ -112,6 +204,38 @@ mod tests {
         diagnosis.literals.push(literal);
         assert_eq!(shown(&diagnosis).unwrap().at.to_string(), "a.vert:2:1");
         assert_eq!(shown(&Diagnosis::default()), None);
+    }
+
+    #[test]
+    fn a_fault_on_several_lanes_comes_once_and_another_one_by_itself() {
+        let finding = |message: &str| Finding {
+            kind: FindingKind::Relation,
+            message: message.into(),
+            case: None,
+            count: 2,
+            reproduce: None,
+        };
+        let on = |suite: &str, lane: &str, message: &str| {
+            let fault = fault(&finding(message));
+            let seen = Seen { suite: suite.into(), lanes: vec![format!("{lane}/vertex")], fault };
+            of_finding(seen, "a.vert", &finding(message))
+        };
+        let items = vec![
+            on("s", "vulkan", "`p` is not `q`"),
+            on("s", "opengl", "`p` is not `q`"),
+            on("s", "opengl", "`p` is not `r`"),
+            on("t", "opengl", "`p` is not `q`"),
+        ];
+        let all = once(items);
+        let messages: Vec<&str> = all.iter().map(|item| item.message.as_str()).collect();
+        let expected = [
+            "s on vulkan/vertex and 1 more: `p` is not `q`",
+            "s on opengl/vertex: `p` is not `r`",
+            "t on opengl/vertex: `p` is not `q`",
+        ];
+        assert_eq!(messages, expected);
+        assert!(all[0].details.starts_with(expected[0]) && all[0].details.ends_with("\n  also on    opengl/vertex"));
+        assert!(!all[1].details.contains("also on") && all[0].identity() == "s: `p` is not `q`");
     }
 
     #[test]

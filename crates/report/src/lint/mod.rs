@@ -4,6 +4,7 @@
 mod concise;
 mod github;
 mod gitlab;
+pub mod grouped;
 mod json;
 mod rdjson;
 mod sarif;
