@@ -80,9 +80,12 @@ pub struct FuzzArgs {
     /// What a host puts around each shader; without it, texts of known hosts are recognised
     #[arg(long, value_name = "NAME", value_parser = super::preludes())]
     pub prelude: Option<String>,
-    /// Only these lanes; all that are available without it
+    /// Only these lanes; without it the first that runs a function, and all others where it is at fault
     #[arg(long, value_name = "LANE", value_delimiter = ',')]
     pub lane: Vec<String>,
+    /// Run each function on every lane that is available
+    #[arg(long, conflicts_with = "lane")]
+    pub all_lanes: bool,
     /// Samples of each function
     #[arg(long, value_name = "N", default_value_t = SAMPLES, value_parser = clap::value_parser!(u64).range(1..))]
     pub samples: u64,
@@ -349,7 +352,7 @@ fn one_function(
     lanes: &[(&dyn Lane, Promises)],
     progress: &mut Bar,
 ) -> anyhow::Result<FunctionReport> {
-    progress.start(&subject.label, "all lanes", Stage::Compute, args.samples);
+    progress.start(&subject.label, if args.all_lanes { "all lanes" } else { "lanes" }, Stage::Compute, args.samples);
     let request = Request {
         samples: args.samples,
         seed: args.input.seed,
@@ -357,6 +360,7 @@ fn one_function(
         notes: args.notes,
         hostile: args.hostile,
         strict_integers: args.strict_integers,
+        first_lane: args.lane.is_empty() && !args.all_lanes,
         command: command(args, source),
     };
     fuzz::run(subject, domain, lanes, &request).map_err(|why| anyhow::anyhow!("--case: {why}"))
@@ -378,6 +382,9 @@ fn command(args: &FuzzArgs, source: &IncludedText) -> String {
     }
     if !args.lane.is_empty() {
         words = format!("{words} --lane {}", args.lane.join(","));
+    }
+    if args.all_lanes {
+        words.push_str(" --all-lanes");
     }
     words
 }

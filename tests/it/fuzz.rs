@@ -26,6 +26,7 @@ fn request() -> Request {
         case: None,
         notes: true,
         hostile: false,
+        first_lane: false,
         command: "shadercheck fuzz a.glsl".to_owned(),
     }
 }
@@ -270,6 +271,25 @@ fn equal_inputs_with_different_outputs_are_found() {
     assert!(kinds(&report, Severity::Finding).contains(&FuzzFindingKind::NotDeterministic), "{:?}", report.findings);
     let report = on(subject, "", &*embedded::open().unwrap(), rulings());
     assert!(!report.fails(), "{:?}", report.findings);
+}
+
+#[test]
+fn the_first_lane_is_enough_unless_it_is_at_fault() {
+    let subject = &functions("a.glsl", "float twice(float x) { return 2.0 * x; }")[0];
+    let (right, wrong) = (embedded::open().unwrap(), Mixed(embedded::open().unwrap()));
+    let rulings = || Promises::of_api(Api::Binary32);
+    let lanes = |first: &'static str| -> Vec<(&dyn Lane, Promises)> {
+        let (right, wrong): (&dyn Lane, &dyn Lane) = (&*right, &wrong);
+        let pair = if first == "right" { [right, wrong] } else { [wrong, right] };
+        pair.map(|lane| (lane, rulings())).to_vec()
+    };
+    let ran = |first: &'static str, first_lane: bool| {
+        let request = Request { first_lane, ..request() };
+        let report = requested(subject, "", &lanes(first), &request);
+        (report.lanes.len(), report.fails())
+    };
+    assert_eq!((ran("right", true), ran("right", false)), ((1, false), (2, true)));
+    assert_eq!(ran("wrong", true), (2, true));
 }
 
 /// A lane on which a number takes the sign of another one beside it.

@@ -72,6 +72,11 @@ pub enum FuzzFindingKind {
 }
 
 impl FuzzFindingKind {
+    /// Whether it is about a lane, and not about the function.
+    pub fn is_of_a_lane(self) -> bool {
+        matches!(self, Self::LaneDeviation | Self::NotDeterministic | Self::Disturbed | Self::LaneFailed)
+    }
+
     /// Name in reports.
     pub fn name(self) -> &'static str {
         match self {

@@ -183,6 +183,11 @@ impl<'a> OnLane<'a> {
         }
     }
 
+    /// Whether the lane takes the function, or fails on it before it runs.
+    pub fn runs(&self) -> bool {
+        self.runner.is_ok() || self.failed.is_some()
+    }
+
     /// What the lane gave, and what is wrong with it. `reproduce` makes the command for a sample.
     pub fn finish(mut self, domain: &Domain, reproduce: &dyn Fn(&Sample) -> String) -> (LaneReport, Vec<Finding>) {
         let name = self.lane.description().name;

@@ -55,6 +55,8 @@ pub struct Request {
     pub hostile: bool,
     /// A signed integer that does not fit counts as other operations on integers do, although languages let it wrap.
     pub strict_integers: bool,
+    /// The first lane that runs the function is enough, unless it is at fault: the others tell then whose fault it is.
+    pub first_lane: bool,
     /// The command line up to the function, for reproduction.
     pub command: String,
 }
@@ -112,11 +114,24 @@ impl Looked<'_> {
     }
 }
 
-/// Runs a function on all lanes. `Err` for a case that does not fit its inputs.
+/// Runs a function on lanes. `Err` for a case that does not fit its inputs.
 ///
 /// # Errors
 /// What is wrong with the case that was asked for.
 pub fn run(
+    subject: &Subject,
+    domain: &Domain,
+    lanes: &[(&dyn Lane, Promises)],
+    request: &Request,
+) -> Result<FunctionReport, String> {
+    let report = run_on(subject, domain, lanes, request)?;
+    if request.first_lane && report.findings.iter().any(|finding| finding.kind.is_of_a_lane()) && !interrupt::asked() {
+        return run_on(subject, domain, lanes, &Request { first_lane: false, ..request.clone() });
+    }
+    Ok(report)
+}
+
+fn run_on(
     subject: &Subject,
     domain: &Domain,
     lanes: &[(&dyn Lane, Promises)],
@@ -189,6 +204,9 @@ pub fn run(
             OnLane::new((*lane, promises), ready, (&reference, oracle), capacity)
         })
         .collect();
+    if let Some(first) = on.iter().position(OnLane::runs).filter(|_| request.first_lane) {
+        on = vec![on.swap_remove(first)];
+    }
     let key = stream_key(request.seed, &subject.label);
     let mut groups: HashMap<Key, Group> = HashMap::new();
     // Who gives a case states its inputs.
@@ -311,7 +329,8 @@ pub fn run(
 /// does without it is right: no driver is at fault, and no shader.
 fn own_translator(lanes: &[(&dyn Lane, Promises)], program: &Program, report: &mut FunctionReport) {
     let FunctionReport { lanes: given, findings, .. } = report;
-    let all = lanes.iter().map(|(lane, _)| *lane).zip(given.iter());
+    let of = |lane: &dyn Lane| given.iter().find(|report| report.lane == lane.description().name);
+    let all = lanes.iter().filter_map(|(lane, _)| Some((*lane, of(*lane)?)));
     let Some((right, front_end)) = stage::another(all, program) else { return };
     for finding in findings.iter_mut().filter(|finding| finding.own_translator) {
         finding.severity = Severity::Note;

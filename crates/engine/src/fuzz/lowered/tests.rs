@@ -22,6 +22,7 @@ fn report(text: &str, most: f64) -> FunctionReport {
         notes: false,
         hostile: false,
         strict_integers: false,
+        first_lane: false,
         command: "shadercheck fuzz a.frag".into(),
     };
     run(&subject, &domain, &[], &request).unwrap()
