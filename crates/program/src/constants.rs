@@ -166,10 +166,15 @@ impl Constants {
         found.or_else(|| span.and_then(around)).or_else(anywhere)
     }
 
-    /// The constant nearest to a value; of several the last, which has the others as operands.
+    /// The constant nearest to a value; of several the last, which has the others as operands. Of components of one vector
+    /// that are as near, nothing tells which is meant: it is the one about which front ends differ most.
     fn nearest(&self, all: &mut dyn Iterator<Item = usize>, value: f64) -> Option<(usize, &Constant)> {
         let distance = |at: usize| (self.all[at].value() - value).abs();
-        let best = all.reduce(|best, next| if distance(best) < distance(next) { best } else { next })?;
+        let is_surer = |a: usize, b: usize| {
+            self.all[a].id == self.all[b].id && self.all[a].spread(value) < self.all[b].spread(value)
+        };
+        let is_better = |a: usize, b: usize| distance(a) < distance(b) || distance(a) <= distance(b) && is_surer(b, a);
+        let best = all.reduce(|best, next| if is_better(best, next) { best } else { next })?;
         Some((best, &self.all[best]))
     }
 }
@@ -178,4 +183,24 @@ impl Constants {
 fn is_number(shader: &Shader, span: Span, value: f64) -> bool {
     let digits = shader.file().slice(span).trim_end_matches(['f', 'F']);
     digits.starts_with(|c: char| c.is_ascii_digit() || c == '.') && digits.parse() == Ok(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use base::text::SourceFile;
+    use syntax::Stage;
+
+    #[test]
+    fn of_equal_components_the_one_that_is_open_counts() {
+        // 0.5 and a little, which rounding makes a tie, beside what is 1 for everyone.
+        let text = "#version 450\nvec2 f() { return round(smoothstep(vec2(-abs(atan(1e-6, 100.0)) - 0.5, 0.0), \
+                    vec2(2.5, 1.0), vec2(1.0))); }\n";
+        let shader = Shader::parse(&SourceFile::new("a.glsl", text), Stage::Library).shader;
+        let constants = Constants::new(Arc::new(shader));
+        let start = text.find("round").unwrap();
+        let span = Span::new(start, text.rfind("; }").unwrap());
+        let (_, constant) = constants.find(Some(span), 1.0).unwrap();
+        assert!(constant.spread(1.0) >= 1.0, "{constant:?}");
+    }
 }

@@ -440,6 +440,7 @@ fn of_numbers(name: F, a: &[f64]) -> Option<f64> {
         (F::Max, [x, y]) => x.max(*y),
         (F::Clamp, [x, low, high]) => x.max(*low).min(*high),
         (F::Mix, [x, y, t]) => x * (1.0 - t) + y * t,
+        (F::Fma, [x, y, z]) => x.mul_add(*y, *z),
         (F::Step, [edge, x]) => f64::from(u8::from(x >= edge)),
         (F::Smoothstep, [low, high, x]) => {
             let t = ((x - low) / (high - low)).clamp(0.0, 1.0);

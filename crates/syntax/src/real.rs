@@ -294,6 +294,7 @@ mod tests {
         for (text, off) in [
             ("const float x = tanh(1e-6);", 1.6e-8),
             ("const float x = dot(vec2(1.0, 1.0), vec2(1.0, -0.99999994));", 1e-7),
+            ("const float x = fma(-2.5, asin(1.0), 4.0);", 1.2e-7),
         ] {
             let real = value(text).unwrap();
             let exact = real.values()[0];

@@ -45,9 +45,9 @@ pub(super) fn written(
             }
             None => {
                 let literal = alone(program, executable, site, value);
-                // Folded from a text that is not known here: each front end has functions of its own.
                 let spread = match text(program, executable, site) {
-                    Some(text) if jumps(text) => f64::INFINITY,
+                    // What is not followed here has no value to hold a front end to.
+                    Some(text) if is_folded(text) => f64::INFINITY,
                     Some(_) => FOLDED * literal.slack,
                     None => 0.0,
                 };
@@ -71,9 +71,37 @@ fn alone(program: &Program, executable: &Executable, site: Site, value: f32) -> 
     }
 }
 
-/// Whether a constant expression has a remainder: one rounding before it may move the result by a whole divisor.
-fn jumps(text: &str) -> bool {
-    text.contains('%')
+/// Whether a text is a constant expression with calls or a remainder, of numbers alone: one rounding in it may move the
+/// result as far as it likes, at a jump or where terms cancel.
+fn is_folded(text: &str) -> bool {
+    const TYPES: [&str; 9] = ["f32", "f16", "i32", "u32", "bool", "true", "false", "f", "u"];
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    let mut rest = text;
+    let mut computes = text.contains('%');
+    while let Some(at) = rest.find(is_word) {
+        let end = rest[at..].find(|c| !is_word(c)).map_or(rest.len(), |length| at + length);
+        let (word, behind) = (&rest[at..end], rest[end..].trim_start());
+        let is_number = word.starts_with(|c: char| c.is_ascii_digit());
+        // `bitcast<f32>(1u)`
+        let is_called = behind.starts_with(['(', '<']) && !is_number;
+        let is_type = TYPES.contains(&word);
+        let is_member = rest[..at].trim_end().ends_with('.');
+        // A name, for which another text stands.
+        if !is_number && !is_called && !is_type && !is_member {
+            return false;
+        }
+        computes |= is_called && !is_constructor(word);
+        rest = &rest[end..];
+    }
+    computes
+}
+
+/// Whether a word is a type of numbers, or of vectors or matrices of them.
+fn is_constructor(word: &str) -> bool {
+    const SCALARS: [&str; 7] = ["float", "int", "uint", "bool", "f32", "i32", "u32"];
+    SCALARS.contains(&word)
+        || word.trim_start_matches(['i', 'u', 'b', 'd']).starts_with("vec")
+        || word.starts_with("mat")
 }
 
 /// The text of a site.
@@ -207,6 +235,24 @@ mod tests {
     fn other_texts_are_not_numbers() {
         for text in ["", "pi", "float(4)", "1.0x", "1/3", "2", "1.0 2.0", "(1.0", "0x10", "1.0e", "1..0", "１.0"] {
             assert_eq!(number(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn constant_expressions_that_compute_are_told_from_others() {
+        for text in [
+            "5.0 % 3.0",
+            "select(1.0, 2.0, !vec2<bool>(true)) % 0.7",
+            "bitcast<f32>(1u)",
+            "sin(1.0).x",
+            "vec2f(sin(1e-6), 1.0f)",
+        ] {
+            assert!(is_folded(text), "{text}");
+        }
+        for text in
+            ["6.28", "vec3<f32>(1.0, 2.0, 3.0)", "f32(3i)", "x % 2.0", "sin(turn)", "TAU * 2.0", "mix(a, b, 0.5)"]
+        {
+            assert!(!is_folded(text), "{text}");
         }
     }
 

@@ -203,7 +203,8 @@ pub(super) fn tied(request: &Request, part: &Part, sample: &Sample, tied: Tied, 
 /// The command that does the same run again.
 pub(super) fn rerun(request: &Request, part: &Part) -> String {
     let samples = request.samples.map_or_else(String::new, |samples| format!(" --samples {samples}"));
-    let quick = if request.quick { " --quick" } else { "" };
+    // A number of samples goes before an eighth of them.
+    let quick = if request.quick && request.samples.is_none() { " --quick" } else { "" };
     let (arguments, lane, way) = (&request.arguments, part.lane, argument((part.stage, part.source)));
     format!("shadercheck check {arguments} --lane {lane} {way} --seed {}{samples}{quick}", request.seed)
 }
