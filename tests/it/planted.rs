@@ -1,8 +1,9 @@
 //! Faults of many kinds, planted between a device and what is accepted from it, and who is blamed for each: an executor,
 //! a translator, the memory, chance, or nobody.
 
-use engine::suite::Suite;
-use engine::suite::run::{FindingKind, Part, Peer, Prepared, Report, cross_check};
+use base::text::SourceFile;
+use engine::suite::run::{FindingKind, Part, Peer, Prepared, Report, cross_check, prepare};
+use engine::suite::{Suite, parse};
 use judge::profile::Promises;
 use judge::verdict::diagnosis::Fault;
 use lanes::{Api, Lane as _, embedded};
@@ -343,17 +344,28 @@ fn without_relations() -> Prepared {
     changed("morph", |suite| Suite { relations: Vec::new(), ..suite }, str::to_owned)
 }
 
+/// A fragment stage that reads a texture.
+fn textured() -> Prepared {
+    let suite = "suite = \"lit\"\nshader = \"lit.frag\"\nstage = \"fragment\"\nsamples = 512\n\
+                 [[inputs]]\nnames = [\"uv\"]\ngenerator = \"interval\"\nrange = [-1.0, 1.0]\n\
+                 [[inputs]]\nnames = [\"gain\"]\ngenerator = \"interval\"\nrange = [0.5, 2.0]\n\
+                 [floors]\nundetermined = 0.2\nreason = \"coordinates at the edges of texels\"\n";
+    let text = "#version 330\nin vec2 uv;\nuniform float gain;\nuniform sampler2D map;\nout vec4 color;\n\
+                void main() { color = texture(map, uv) * gain - 0.25; }\n";
+    let suite = parse(&SourceFile::new("lit.suite.toml", suite)).unwrap();
+    prepare(&suite, &SourceFile::new("lit.frag", text)).unwrap()
+}
+
 /// What is blamed wrongly of the faults of a table, in dispatches of at most so many invocations, and how many faults
 /// were looked at.
-fn wrongly(table: &[(&str, Plant)], plans: &[Plan], most: usize) -> (Vec<String>, usize) {
-    let prepared = without_relations();
+fn wrongly(prepared: &Prepared, table: &[(&str, Plant)], plans: &[Plan], most: usize) -> (Vec<String>, usize) {
     let (mut wrong, mut all) = (Vec::new(), 0);
     for &(name, plant) in table {
         for &(part, faulty, expected) in plans {
             let planted = |name: &str| faulty.contains(&name).then_some(plant);
             let devices: Vec<Planted> =
-                LANES.iter().map(|l| device(&prepared, l.0, planted(l.0)).in_batches_of(most)).collect();
-            let reports = reports(&prepared, &devices);
+                LANES.iter().map(|l| device(prepared, l.0, planted(l.0)).in_batches_of(most)).collect();
+            let reports = reports(prepared, &devices);
             all += 1;
             let found: Vec<(&str, Vec<String>)> =
                 LANES.iter().zip(&reports).map(|(lane, report)| (lane.0, blamed(report.as_ref().unwrap()))).collect();
@@ -378,7 +390,7 @@ fn rightly(table: &[(&str, Plant)], plans: &[Plan], least: usize) {
 /// The same in dispatches of at most so many invocations.
 #[track_caller]
 fn rightly_in(most: usize, table: &[(&str, Plant)], plans: &[Plan], least: usize) {
-    let (wrong, all) = wrongly(table, plans, most);
+    let (wrong, all) = wrongly(&without_relations(), table, plans, most);
     assert!(all >= least, "{all}");
     assert!(wrong.is_empty(), "{} of {all} blamed wrongly:\n{}", wrong.len(), wrong.join("\n"));
 }
@@ -422,8 +434,8 @@ fn faults_that_were_thought_of_later_are_blamed_on_the_part_that_has_them() {
     let plans: [Plan; 2] = [("one lane", &["a"], "position X"), ("an executor", &["a", "b"], "position X")];
     rightly(&OTHERS_BY_PLACE, &plans, 16);
     rightly_in(128, &STALE, &plans, 4);
-    let (wrong, _) =
-        wrongly(&NOBODYS, &[("every lane", &["a", "b", "c", "d"], ""), ("an executor", &["a", "b"], "")], usize::MAX);
+    let plans: [Plan; 2] = [("every lane", &["a", "b", "c", "d"], ""), ("an executor", &["a", "b"], "")];
+    let (wrong, _) = wrongly(&without_relations(), &NOBODYS, &plans, usize::MAX);
     assert!(wrong.is_empty(), "{wrong:?}");
 }
 
@@ -440,11 +452,36 @@ fn faults_of_a_third_set_are_blamed_on_the_part_that_has_them() {
 }
 
 #[test]
+fn faults_in_what_a_fragment_stage_reads_from_textures_are_blamed_on_the_part_that_has_them() {
+    let by_input: [Plan; 2] =
+        [("an executor", &["a", "b"], "executor X"), ("a translator", &["a", "c"], "translator naga")];
+    let by_place: [Plan; 1] = [("one lane", &["a"], "position X")];
+    let mut all = Vec::new();
+    for (table, plans) in [
+        (&BY_INPUT[..], &by_input[..]),
+        (&OTHERS_BY_INPUT, &by_input),
+        (&THIRD_BY_INPUT, &by_input),
+        (&OTHERS_BY_PLACE, &by_place),
+        (&THIRD_BY_PLACE, &by_place),
+    ] {
+        all.push(wrongly(&textured(), table, plans, usize::MAX));
+    }
+    let (wrong, looked) = all.into_iter().fold((Vec::new(), 0), |(mut wrong, looked), (more, of)| {
+        wrong.extend(more);
+        (wrong, looked + of)
+    });
+    assert!(looked > 100, "{looked}");
+    assert!(wrong.is_empty(), "{} of {looked} blamed wrongly:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+#[test]
 fn devices_without_a_fault_are_not_blamed() {
     let still: [(&str, Plant); 2] =
         [("nothing", |_| {}), ("outputs written as they are", |r| r.each(|_, _| true, |x| x))];
-    let (wrong, _) = wrongly(&still, &[("every lane", &[], "")], usize::MAX);
-    assert!(wrong.is_empty(), "{wrong:?}");
+    for prepared in [without_relations(), textured()] {
+        let (wrong, _) = wrongly(&prepared, &still, &[("every lane", &[], "")], usize::MAX);
+        assert!(wrong.is_empty(), "{wrong:?}");
+    }
 }
 
 #[test]
