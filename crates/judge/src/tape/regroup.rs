@@ -4,6 +4,7 @@ use super::Tape;
 use super::arena::{Id, NodeKind, Slots};
 use super::kernels::carried_by_product;
 use super::lowered::{LOWP, SMALLEST, STEP, largest};
+use crate::profile::Op;
 use crate::profile::grid::{MAX_FINITE, MIN_NORMAL};
 use program::Grade;
 use program::interp::{Mask, SLOTS, Site};
@@ -63,6 +64,11 @@ impl Tape<'_> {
                 let (v, e) = (self.arena.value.get(at), self.arena.radius.get(at));
                 number::wide(|| (0..SLOTS).for_each(|slot| size[slot] = v[slot].abs() + e[slot]));
                 height.fill(0.0);
+                // A comparison may be made the other way round: 1 − 1 where it gives 0, and 1 − 0 where it gives 1.
+                if meta.op == Some(Op::Step) {
+                    (0..SLOTS).for_each(|slot| size[slot] = size[slot].max(2.0 - v[slot]));
+                    term = [2.0; SLOTS];
+                }
             }
             NodeKind::Sum { a, b, signs } => {
                 let ((ta, ha), (tb, hb)) = (of(a), of(b));

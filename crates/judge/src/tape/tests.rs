@@ -152,6 +152,21 @@ fn regrouping_reaches_into_what_a_mask_chose() {
 }
 
 #[test]
+fn a_step_in_a_sum_may_be_one_less_the_comparison_the_other_way_round() {
+    let of = |body: &str, x: f32| {
+        let function = format!("float f(float x, float y) {{ return {body}; }}");
+        with(device("vulkan-1.4", true), &function, &[x, 1.0], |_, _, b| b.bound[0])
+    };
+    // (y − 1) + 1 instead of y − 0, with the step to 0.
+    let apart = f64::from(-0.3_f32) - (f64::from((-0.3_f32 - 1.0) + 1.0));
+    assert!(of("-0.3 - step(x, y)", 2.0) >= apart.abs(), "{:e}", of("-0.3 - step(x, y)", 2.0));
+    assert!(of("-0.3 - step(x, y)", 2.0) < 1e-6);
+    // By itself it is exact.
+    assert_eq!(of("step(x, y)", 2.0), 0.0);
+    assert_eq!(of("step(x, y)", 0.5), 0.0);
+}
+
+#[test]
 fn a_comparison_nearer_than_its_errors_is_a_fork() {
     let function = "float f(float x, float y) { if (x * y > 0.1) return 1.0; return 2.0; }";
     let forks = |x, y| with(device("vulkan-1.4", false), function, &[x, y], |tape, _, _| tape.fork(0).is_some());
