@@ -41,7 +41,7 @@ pub fn run(args: &ExplainArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
                 rule.pages.summary(lang)
             )?;
         }
-        for (code, line) in errors::ALL.iter().chain(BUILDING) {
+        for (code, line) in errors::all().chain(BUILDING.iter().copied()) {
             writeln!(out, "{code}  {:width$}  {:7}  {line}", "", "error")?;
         }
         return Ok(ExitStatus::Clean);
@@ -78,13 +78,22 @@ const BUILDING: &[(Code, &str)] = &[
 #[cfg(not(feature = "run"))]
 const BUILDING: &[(Code, &str)] = &[];
 
-/// What an error code stands for.
+/// What an error code stands for, and what it rests on.
 fn code(given: &str) -> Option<String> {
-    let of = |all: &[(Code, &str)], what: &str| {
-        let (code, line) = all.iter().find(|(code, _)| code.0.eq_ignore_ascii_case(given))?;
-        Some(format!("{code}  {what}: {line}"))
+    let is = |(code, _): &(Code, &str)| code.0.eq_ignore_ascii_case(given);
+    if let Some((code, line)) = BUILDING.iter().find(|row| is(row)) {
+        return Some(format!("{code}  error of building a program: {line}"));
+    }
+    let (code, line) = errors::all().find(is)?;
+    let rests: Vec<&str> = errors::rests_on(code).words().collect();
+    let told = match rests.is_empty() {
+        true => "It holds whatever is put around the text.".to_owned(),
+        false => format!(
+            "It rests on {}. Where the text leaves one of these open, it is told at `--level strict`.",
+            rests.join("; on ")
+        ),
     };
-    of(errors::ALL, "error of the front end").or_else(|| of(BUILDING, "error of building a program"))
+    Some(format!("{code}  error of the front end: {line}\n{told}"))
 }
 
 /// What a kind of finding of `check` stands for.
@@ -164,7 +173,7 @@ mod tests {
     #[test]
     fn without_a_code_all_rules_are_listed() {
         let (_, out, _) = explain(None);
-        assert_eq!(out.lines().count(), RULES.len() + errors::ALL.len() + BUILDING.len());
+        assert_eq!(out.lines().count(), RULES.len() + errors::all().len() + BUILDING.len());
         assert!(RULES.iter().all(|r| out.contains(r.name)));
     }
 }

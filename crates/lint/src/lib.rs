@@ -7,7 +7,6 @@ pub mod baseline;
 mod composed;
 mod conditions;
 mod config;
-mod context;
 mod defined;
 mod dialect;
 mod document;
@@ -19,6 +18,7 @@ mod glsl;
 mod host;
 mod kernel;
 mod linked;
+mod open;
 mod page;
 mod prelude;
 mod program;
@@ -62,7 +62,7 @@ use rayon::prelude::*;
 
 use project::{Project, ShaderFile};
 use suppress::Suppressions;
-use syntax::errors;
+use syntax::errors::{self, Around};
 
 /// Lints `files` with every rule. The diagnostics of inputs that are only context are left out.
 ///
@@ -197,47 +197,43 @@ fn run_rules_until(
 fn leave_doubtful_to_strict(project: &Project, told: &mut [(Level, Diagnostic)]) {
     let shaders: HashMap<&str, &ShaderFile> = project.shaders().map(|s| (s.file.name(), s)).collect();
     let mut in_front: Option<HashSet<String>> = None;
-    let supplied = context::supplied(project);
+    let supplied = open::supplied(project);
+    let marks = open::marks(project);
+    let rewritten: HashSet<&str> =
+        project.shaders().filter(|s| marks.are_in(&s.front_end)).map(|s| s.file.name()).collect();
     for (level, error) in told.iter_mut().filter(|(level, _)| *level == Level::Default) {
         let Some(shader) = shaders.get(error.file.name()) else { continue };
         let mut may_be_in_front = || {
-            let names = in_front.get_or_insert_with(|| context::names_in_front(project));
+            let names = in_front.get_or_insert_with(|| open::names_in_front(project));
             names.contains(error.file.slice(error.span))
         };
         let of_front_end = shader.front_end.iter().any(|d| d.code == error.code && d.span == error.span);
-        let about_a_name = context::is_about_a_name(error);
+        let about_a_name = open::is_about_a_name(error);
         let may_be_supplied = || supplied.may_be(error);
-        if of_front_end && (shader.is_doubtful(error) || (about_a_name && (may_be_supplied() || may_be_in_front()))) {
+        let doubtful = || shader.is_doubtful(error) || rewritten.contains(error.file.name());
+        if of_front_end && (doubtful() || (about_a_name && (may_be_supplied() || may_be_in_front()))) {
             *level = Level::Strict;
         }
     }
 }
 
-/// Hosts resolve `#include` and other directives of their own, and put macros in front of a text: what may be
-/// right with their help is told on request. A slip comes with what was meant.
+/// Hosts put macros in front of a text: a name in capitals that nothing declares is told on request, unless it is a slip.
 fn front_end_level(project: &Project, shader: &ShaderFile, error: &Diagnostic) -> Level {
     let name = error.file.slice(error.span);
     // A shader in a literal is itself a part of its host file: only what stands beside it can be put in front.
     let count = |text: &str| text.matches(name).count();
     let beside = || project.hosts().any(|h| count(h.file.text()) > count(error.file.text()));
-    match error.code {
-        errors::INCLUDE => Level::Strict,
-        errors::UNKNOWN_DIRECTIVE if error.help.is_none() => Level::Strict,
-        errors::UNKNOWN_NAME | errors::UNKNOWN_FUNCTION | errors::UNKNOWN_TYPE
-            if error.help.is_none()
-                && syntax::is_macro(name)
-                && (shader.origin.is_none() || beside())
-                && !context::is_slip(&shader.shader, name) =>
-        {
-            Level::Strict
-        }
-        _ => Level::Default,
+    let of_macro = open::rests(error).contains(Around::NAMES | Around::VALUES) && syntax::is_macro(name);
+    if of_macro && (shader.origin.is_none() || beside()) && !open::is_slip(&shader.shader, name) {
+        Level::Strict
+    } else {
+        Level::Default
     }
 }
 
 /// Codes of the errors that the front end gives by itself, with what they are about.
-pub fn front_end_errors() -> &'static [(Code, &'static str)] {
-    syntax::errors::ALL
+pub fn front_end_errors() -> impl ExactSizeIterator<Item = (Code, &'static str)> {
+    errors::all()
 }
 
 /// Brings diagnostics into the order of their files' names, places and codes.

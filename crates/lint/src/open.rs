@@ -12,71 +12,12 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use base::diagnostic::{Code, Diagnostic};
 use base::text::SourceFile;
 use syntax::ast::ItemKind;
+use syntax::errors::Around;
 use syntax::{BuiltinFunction, Profile, Shader, Stage, Token, TokenKind, TokenPlace, Version, errors, is_macro};
 
 use super::conditions::{self, Conditions};
 use super::dialect;
 use super::project::Project;
-
-/// Errors about names, which something in front of the text can declare.
-const NAMES: &[Code] = &[errors::UNKNOWN_NAME, errors::UNKNOWN_FUNCTION, errors::UNKNOWN_TYPE];
-
-/// Errors that a text in front of this one can repair: names, macros, extensions and versions.
-const REPAIRED_IN_FRONT: &[Code] = &[
-    errors::TOKEN,
-    errors::UNKNOWN_DIRECTIVE,
-    errors::DIRECTIVE,
-    errors::CONDITIONAL,
-    errors::ERROR_DIRECTIVE,
-    errors::UNKNOWN_NAME,
-    errors::UNKNOWN_FUNCTION,
-    errors::UNKNOWN_TYPE,
-    errors::MISSING_MAIN,
-    errors::LAYOUT,
-    errors::VARIABLE_TYPE,
-    errors::NEEDS_VERSION,
-    errors::EXTENSION,
-    errors::IMPLICIT_FLOAT,
-    errors::FLOAT_SUFFIX,
-    errors::PRECISION,
-];
-
-/// Errors that depend on the stage.
-const OF_THE_STAGE: &[Code] =
-    &[errors::QUALIFIER, errors::LAYOUT, errors::NEEDS_VERSION, errors::EXTENSION, errors::PLACEMENT];
-
-/// Errors inside of functions that hold in every shader that the function is put into.
-const OF_A_FUNCTION: &[Code] = &[
-    errors::NO_OVERLOAD,
-    errors::ASSIGN_TYPE,
-    errors::OPERAND_TYPE,
-    errors::INDEX,
-    errors::CONDITION_TYPE,
-    errors::RETURN_TYPE,
-    errors::NOT_A_PLACE,
-    errors::TOO_MANY,
-    errors::TOO_FEW,
-    errors::ASSIGN_SIZE,
-    errors::MATRIX_SIZE,
-    errors::SCALAR_SWIZZLE,
-    errors::SWIZZLE,
-    errors::VECTOR_RELATION,
-    errors::INDEX_RANGE,
-    errors::READ_ONLY,
-];
-
-/// Errors that stay whatever an unknown extension or definition brings: numbers of components, the grammar, and names
-/// of extensions.
-const HOLDS_ANYWAY: &[Code] = &[
-    errors::SYNTAX,
-    errors::EXTENSION,
-    errors::TOO_MANY,
-    errors::TOO_FEW,
-    errors::ASSIGN_SIZE,
-    errors::MATRIX_SIZE,
-    errors::SWIZZLE,
-    errors::LATE_VERSION,
-];
 
 /// Those of the errors of a text that its host may take away.
 pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
@@ -91,75 +32,130 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
     if dialect::needs_another_reader(shader) || found.iter().any(|d| dialect::is_mark(file, d)) {
         return vec![true; found.len()];
     }
-    let has_main = shader.tokens().iter().any(|t| t.kind == TokenKind::Word && file.slice(t.span) == "main");
-    let versioned = shader.version().span.is_some();
-    // What holds nothing of a shader under the name of one is told as it is.
+    // What holds nothing of a shader under the name of one is told as it is; others may stand in what it includes.
     let is_empty = shader.unit().items.iter().all(|i| i.kind == ItemKind::Error);
     if shader.stage() != Stage::Library && is_empty && found.iter().any(|d| d.code == errors::SYNTAX) {
-        return vec![false; found.len()];
+        return found.iter().map(|error| rests(error).contains(Around::NAMES)).collect();
     }
-    let misspelt = found.iter().any(|d| d.code == errors::MISSING_MAIN && !d.span.is_empty());
-    // What is called a stage and states its version wants to be one.
-    if !has_main && !misspelt && (!versioned || shader.stage() == Stage::Library) {
-        // Where a piece is not whole by itself, everything may have another meaning.
-        let whole = found.iter().all(|d| OF_A_FUNCTION.contains(&d.code) && !is_of_the_user(file, d));
-        let mut kept = vec![whole; found.len()];
-        if whole && !versioned {
-            under_versions(shader, found, &mut kept, &ANY_VERSION);
-        }
-        return kept.into_iter().map(|kept| !kept).collect();
-    }
-    let filled_in = dialect::is_filled_in(shader);
-    let joined = filled_in || found.iter().any(|d| dialect::is_foreign(file, d)) || dialect::imports(file.text());
-    let replaced = filled_in || found.iter().any(|d| d.code != errors::INCLUDE && dialect::is_foreign(file, d));
     let conditions = Conditions::of(shader);
+    let open = of(shader, &conditions, found);
     let mut kept = under_conditions(shader, &conditions, found);
-    if !versioned {
-        // What is written for the first versions is compiled as such where nobody states another.
-        under_versions(shader, found, &mut kept, if is_old(shader) { &ANY_VERSION[..1] } else { &ANY_VERSION });
+    if shader.version().span.is_none() {
+        // What is written for the first versions is compiled as such where nobody can state another.
+        let old = is_old(shader) && has_main(shader) && !open.contains(Around::ENABLED);
+        under_versions(shader, found, &mut kept, if old { &ANY_VERSION[..1] } else { &ANY_VERSION });
     }
-    // Geometry stages of GLSL 1.20 are enabled, and have words and qualifiers that no version has.
-    let of_old_stages = shader.extensions().iter().any(|e| e.name.ends_with("_geometry_shader4"));
-    let open = shader.requires_unknown_extension() || of_old_stages;
-    let asked = conditions.undefined(true);
-    let unknown_stage = shader.stage() == Stage::Library;
-    let of = |(error, kept): (&Diagnostic, bool)| {
-        !kept
-            || (joined && (REPAIRED_IN_FRONT.contains(&error.code) || is_bindless(file, error)))
-            || (joined && is_of_the_user(file, error))
-            || (open && !HOLDS_ANYWAY.contains(&error.code))
-            || (error.code == errors::MISSING_MAIN && error.span.is_empty())
-            || is_at_unknown_macro(shader, &conditions, error)
-            || is_of_unknown_value(shader, &asked, error)
-            // What a template fills in may be what is missing.
-            || (filled_in && [errors::REDECLARATION, errors::INITIALISER].contains(&error.code))
-            || (filled_in && error.code == errors::CONSTRUCTOR && file.expansion(error.span).is_some())
-            // An engine calls this `main` from its own.
-            || (!versioned && error.code == errors::FUNCTION && file.slice(error.span) == "main")
-            || (joined && error.code == errors::SYNTAX && (replaced || at_macro(shader, error)))
-            // A tool may cut the text apart at its marks.
-            || (replaced && error.code == errors::REDEFINITION)
-            || (unknown_stage && OF_THE_STAGE.contains(&error.code))
-            // Who puts a version in front may put more there; a slip comes with what was meant.
-            || (!versioned && NAMES.contains(&error.code) && error.help.is_none())
-    };
-    found.iter().zip(kept).map(of).collect()
+    let surroundings = Surroundings { shader, conditions: &conditions, open };
+    found.iter().zip(kept).map(|(error, kept)| !kept || surroundings.rests(error).intersects(open)).collect()
 }
 
-/// Errors about types of values.
-const OF_VALUES: &[Code] = &[
-    errors::ASSIGN_TYPE,
-    errors::ASSIGN_SIZE,
-    errors::OPERAND_TYPE,
-    errors::CONSTRUCTOR,
-    errors::NO_OVERLOAD,
-    errors::RETURN_TYPE,
-];
+/// What a text leaves to its surroundings.
+fn of(shader: &Shader, conditions: &Conditions, found: &[Diagnostic]) -> Around {
+    let file = shader.file();
+    let versioned = shader.version().span.is_some();
+    let unknown_stage = shader.stage() == Stage::Library;
+    let misspelt = found.iter().any(|d| d.code == errors::MISSING_MAIN && !d.span.is_empty());
+    // What is called a stage and states its version wants to be one.
+    let is_piece = !has_main(shader) && !misspelt && (!versioned || unknown_stage);
+    let rewritten = dialect::is_filled_in(shader)
+        || found.iter().any(|d| d.code != errors::INCLUDE && dialect::is_foreign(file, d));
+    let joined = rewritten || found.iter().any(|d| d.code == errors::INCLUDE) || dialect::imports(file.text());
+    // Geometry stages of GLSL 1.20 are enabled, and have words and qualifiers that no version has.
+    let of_old_stages = shader.extensions().iter().any(|e| e.name.ends_with("_geometry_shader4"));
+    let extended = shader.requires_unknown_extension() || of_old_stages;
+    let many = conditions.undefined(true).len() > conditions::MOST_ASKED;
+    let when = |open: bool, what: Around| if open { what } else { Around::empty() };
+    // Anyone may define a macro that nothing in the text defines.
+    Around::VALUES
+        // Who puts a version in front may put more there.
+        | when(!versioned, Around::NAMES)
+        | when(unknown_stage, Around::STAGE)
+        | when(joined, Around::NAMES | Around::ENABLED | Around::MACROS)
+        | when(rewritten, Around::GRAMMAR)
+        | when(extended, Around::NAMES | Around::TYPES)
+        // Of what depends on many names, each of them alone says little.
+        | when(many, Around::NAMES | Around::TYPES | Around::MACROS)
+        | when(is_piece, Around::all().difference(Around::TYPES))
+}
+
+fn has_main(shader: &Shader) -> bool {
+    shader.tokens().iter().any(|t| t.kind == TokenKind::Word && shader.file().slice(t.span) == "main")
+}
+
+/// A text and what it leaves open.
+struct Surroundings<'a> {
+    shader: &'a Shader,
+    conditions: &'a Conditions,
+    open: Around,
+}
+
+impl Surroundings<'_> {
+    /// What an error rests on: what its code does, and what its place shows.
+    fn rests(&self, error: &Diagnostic) -> Around {
+        let file = self.shader.file();
+        let mut rests = rests(error);
+        // A slip comes with what was meant, and is one where nothing but the version is stated elsewhere.
+        if is_name(error.code) && error.help.is_some() && !self.open.contains(Around::ENABLED) {
+            rests.remove(Around::NAMES);
+        }
+        if is_name(error.code) || !self.is_at_macro(error) {
+            rests.remove(Around::VALUES);
+        }
+        // Several texts are one stage, and one of them has its `main`.
+        if error.code == errors::MISSING_MAIN && error.span.is_empty() {
+            return Around::all();
+        }
+        // An engine calls this `main` from its own.
+        if error.code == errors::FUNCTION && file.slice(error.span) == "main" {
+            rests |= Around::NAMES;
+        }
+        if is_bindless(file, error) {
+            rests |= Around::ENABLED;
+        }
+        if error.code == errors::CONSTRUCTOR && file.expansion(error.span).is_some() {
+            rests |= Around::GRAMMAR;
+        }
+        rests
+    }
+
+    /// True for an error at a macro that nothing in the text defines.
+    fn is_at_macro(&self, error: &Diagnostic) -> bool {
+        let beside = self.open.contains(Around::MACROS) && error.code == errors::SYNTAX && at_macro(self.shader, error);
+        beside
+            || is_at_unknown_macro(self.shader, self.conditions, error)
+            || is_of_unknown_value(self.shader, &self.conditions.undefined(true), error)
+    }
+}
+
+/// What an error rests on, as far as its code and its word say it.
+pub fn rests(error: &Diagnostic) -> Around {
+    let mut rests = errors::rests_on(error.code);
+    let word = error.file.slice(error.span);
+    // No text declares names of the language: versions have them, and stages.
+    if is_name(error.code) && (word.starts_with("gl_") || BuiltinFunction::from_name(word).is_some()) {
+        rests = Around::STAGE | Around::TYPES;
+    }
+    // Another name is meant.
+    if error.code == errors::MISSING_MAIN && !error.span.is_empty() {
+        rests.remove(Around::NAMES);
+    }
+    // Another text may have further overloads.
+    if error.code == errors::NO_OVERLOAD && BuiltinFunction::from_name(word).is_none() {
+        rests |= Around::NAMES;
+    }
+    rests
+}
+
+/// True for an error about a name that nothing declares.
+pub fn is_name(code: Code) -> bool {
+    errors::rests_on(code).contains(Around::NAMES | Around::VALUES)
+}
 
 /// True for an error about types in a line with a macro that an `#ifdef` of the text asks for: whoever defines it says what it stands for,
 /// which may be a vector.
 pub fn is_of_unknown_value(shader: &Shader, asked: &BTreeSet<String>, error: &Diagnostic) -> bool {
-    if !OF_VALUES.contains(&error.code) {
+    let rests = errors::rests_on(error.code);
+    if !rests.contains(Around::VALUES) || rests.intersects(Around::NAMES | Around::WHOLE) {
         return false;
     }
     let file = shader.file();
@@ -169,11 +165,6 @@ pub fn is_of_unknown_value(shader: &Shader, asked: &BTreeSet<String>, error: &Di
             && asked.contains(file.slice(token.span))
             && file.position(token.span.start).line == line
     })
-}
-
-/// True for a call of a function of the text, of which another text may have further overloads.
-fn is_of_the_user(file: &SourceFile, error: &Diagnostic) -> bool {
-    error.code == errors::NO_OVERLOAD && BuiltinFunction::from_name(file.slice(error.span)).is_none()
 }
 
 /// True for an error at a word in capitals, or behind one: a macro that another text defines.
@@ -191,7 +182,7 @@ fn is_at_unknown_macro(shader: &Shader, conditions: &Conditions, error: &Diagnos
     let file = shader.file();
     // `layout(FORMAT, binding = 0)`
     let qualifier = error.code == errors::LAYOUT && is_macro(file.slice(error.span));
-    if !qualifier && ![errors::SYNTAX, errors::REDEFINITION].contains(&error.code) {
+    if !qualifier && !errors::rests_on(error.code).contains(Around::GRAMMAR | Around::VALUES) {
         return false;
     }
     let tokens = shader.tokens();
@@ -236,7 +227,7 @@ fn is_bindless(file: &SourceFile, error: &Diagnostic) -> bool {
 fn under_conditions(shader: &Shader, conditions: &Conditions, found: &[Diagnostic]) -> Vec<bool> {
     let asked = conditions.undefined(true);
     if asked.len() > conditions::MOST_ASKED {
-        return found.iter().map(|d| HOLDS_ANYWAY.contains(&d.code)).collect();
+        return vec![true; found.len()];
     }
     let mut kept = vec![true; found.len()];
     for defines in conditions::each_and_all(&asked) {
@@ -259,18 +250,19 @@ const ANY_VERSION: [(u32, Profile); 3] = [(100, Profile::Es), (310, Profile::Es)
 
 /// Takes out what is in order in a version that suits the text no worse. Where it stands, names are not told.
 fn under_versions(shader: &Shader, found: &[Diagnostic], kept: &mut [bool], versions: &[(u32, Profile)]) {
-    let of_names = |code: Code| NAMES.contains(&code) || [errors::MISSING_MAIN, errors::PRECISION].contains(&code);
-    let told = found.iter().filter(|d| !of_names(d.code)).count();
+    // What stands in front declares names and states precisions as well.
+    let of_names = |d: &Diagnostic| rests(d).contains(Around::NAMES) || d.code == errors::PRECISION;
+    let told = found.iter().filter(|d| !of_names(d)).count();
     if told == 0 {
         return;
     }
     for &(number, profile) in versions {
         let other = Shader::parse_behind(shader.file(), shader.stage(), Version { number, profile, span: None });
         let other = other.diagnostics;
-        if other.iter().filter(|d| !of_names(d.code)).count() > told {
+        if other.iter().filter(|d| !of_names(d)).count() > told {
             continue;
         }
-        for (kept, error) in kept.iter_mut().zip(found).filter(|(_, d)| !of_names(d.code)) {
+        for (kept, error) in kept.iter_mut().zip(found).filter(|(_, d)| !of_names(d)) {
             *kept &= stands_in(&other, error);
         }
     }
@@ -334,7 +326,7 @@ fn written(line: &str) -> Option<&str> {
 
 /// True for an error that is about a name, or at a macro: something in front may declare it.
 pub fn is_about_a_name(error: &Diagnostic) -> bool {
-    NAMES.contains(&error.code) || (error.code == errors::SYNTAX && is_macro(error.file.slice(error.span)))
+    is_name(error.code) || (error.code == errors::SYNTAX && is_macro(error.file.slice(error.span)))
 }
 
 /// Names that hosts supply, as texts show that lack the same ones.
@@ -350,7 +342,7 @@ const MISSING_NAMES: usize = 2;
 pub fn supplied(project: &Project) -> Supplied {
     let mut missing: HashMap<&str, HashSet<&str>> = HashMap::new();
     for shader in project.shaders() {
-        for error in shader.front_end.iter().filter(|d| NAMES.contains(&d.code) && d.help.is_none()) {
+        for error in shader.front_end.iter().filter(|d| is_name(d.code) && d.help.is_none()) {
             missing.entry(error.file.slice(error.span)).or_default().insert(error.file.text());
         }
     }
@@ -360,6 +352,48 @@ pub fn supplied(project: &Project) -> Supplied {
 impl Supplied {
     /// True for an error that goes away when the host supplies a name.
     pub fn may_be(&self, error: &Diagnostic) -> bool {
-        self.0 && NAMES.contains(&error.code) && error.help.is_none()
+        self.0 && is_name(error.code) && error.help.is_none()
     }
+}
+
+/// Marks at which the grammar ends again and again in a project: another tool reads its texts before a compiler does.
+pub struct Marks<'p>(HashSet<&'p str>);
+
+/// In how many different lines such a mark stands: a slip happens once, and copies of a text have one mistake.
+const MARKED: usize = 3;
+
+/// What the texts of a project have in common that is no GLSL.
+pub fn marks(project: &Project) -> Marks<'_> {
+    let mut lines: HashMap<&str, HashSet<&str>> = HashMap::new();
+    for error in project.shaders().flat_map(|s| s.front_end.iter().chain(&s.on_request)) {
+        if let Some(mark) = mark(error) {
+            lines.entry(mark).or_default().insert(line_of(error));
+        }
+    }
+    Marks(lines.into_iter().filter(|(_, lines)| lines.len() >= MARKED).map(|(mark, _)| mark).collect())
+}
+
+impl Marks<'_> {
+    /// True for a text with such a mark: nothing of it says what is wrong in GLSL.
+    pub fn are_in(&self, found: &[Diagnostic]) -> bool {
+        !self.0.is_empty() && found.iter().any(|error| mark(error).is_some_and(|mark| self.0.contains(mark)))
+    }
+}
+
+/// The mark that an error of the grammar stands at; none at a word, or at what ends or divides something: there something is
+/// missing in front.
+fn mark(error: &Diagnostic) -> Option<&str> {
+    if ![errors::SYNTAX, errors::TOKEN].contains(&error.code) {
+        return None;
+    }
+    let rest = error.file.text().get(error.span.start..)?.trim_start_matches([' ', '\t']);
+    let first = rest.chars().next().filter(|c| !c.is_alphanumeric() && !"_;,.(){}=\r\n".contains(*c))?;
+    Some(&rest[..first.len_utf8()])
+}
+
+/// The line of a text that an error stands in.
+fn line_of(error: &Diagnostic) -> &str {
+    let text = error.file.text();
+    let start = text[..error.span.start].rfind('\n').map_or(0, |at| at + 1);
+    text[start..].lines().next().unwrap_or("").trim()
 }

@@ -16,10 +16,10 @@ use syntax::{Looks, Stage};
 
 use super::composed::Composer;
 use super::config::Config;
-use super::context;
 use super::document::{Document, Listing};
 use super::embedded::Origin;
 use super::host::{Fed, HostFile, HostTree, ShaderRef, named_shaders, wrappers_of_project};
+use super::open;
 use super::prelude::Wanted;
 use super::program::{self, Program};
 use super::script::SCRIPT_EXTENSIONS;
@@ -253,7 +253,7 @@ impl Read {
             return (path, Some(Self::Shader(shader)));
         }
         let read = match language_of(&path) {
-            Some(Language::Shader(_)) if context::is_raw_string_file(input.file.text()) => {
+            Some(Language::Shader(_)) if open::is_raw_string_file(input.file.text()) => {
                 Some(Self::Host(Box::new(input.host())))
             }
             Some(Language::Shader(stage)) => {

@@ -66,7 +66,7 @@ fn versioned(file: &SourceFile) -> Vec<(Stage, Literal)> {
         let between = &text[end_before..part.start];
         end_before = end;
         let own = &text[part.start..end];
-        let stage = marks::stage_of_words(between).or_else(|| marks::stage(own).ok()?).unwrap_or(Stage::Library);
+        let stage = Stage::of_words(between).or_else(|| marks::stage(own).ok()?).unwrap_or(Stage::Library);
         (stage, Literal::part(file, Span::new(part.start, end)))
     };
     parts.into_iter().map(&mut read).collect()
@@ -100,15 +100,7 @@ fn mark(line: &str) -> Option<Stage> {
         }
     };
     rest.is_none().then_some(())?;
-    Some(match stage.to_ascii_lowercase().as_str() {
-        "vertex" | "vert" | "vs" => Stage::Vertex,
-        "fragment" | "frag" | "pixel" | "fs" => Stage::Fragment,
-        "geometry" | "geom" | "gs" => Stage::Geometry,
-        "compute" | "comp" | "cs" => Stage::Compute,
-        "tesscontrol" | "tess_control" | "tesc" => Stage::TessControl,
-        "tesseval" | "tess_evaluation" | "tese" => Stage::TessEvaluation,
-        _ => return None,
-    })
+    Stage::of_word(stage)
 }
 
 /// A vertex shader in front of a line of `$$`, and a fragment shader behind it.

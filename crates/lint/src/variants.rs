@@ -1,29 +1,15 @@
 //! What is wrong in parts of a text that only a macro from outside switches on: hosts define what an `#if` asks.
 
-use base::diagnostic::{Code, Diagnostic};
+use base::diagnostic::Diagnostic;
 use base::text::Span;
+use syntax::errors::Around;
 use syntax::{Parsed, Shader, TokenPlace, errors};
 
 use crate::conditions::{self, Conditions};
-use crate::context;
+use crate::open;
 
 /// Names that are tried one by one at most.
 const MOST: usize = 8;
-
-/// Errors of types, which no declaration in front takes away.
-pub const CERTAIN: [Code; 11] = [
-    errors::ASSIGN_TYPE,
-    errors::OPERAND_TYPE,
-    errors::CONDITION_TYPE,
-    errors::RETURN_TYPE,
-    errors::ASSIGN_SIZE,
-    errors::MATRIX_SIZE,
-    errors::SCALAR_SWIZZLE,
-    errors::SWIZZLE,
-    errors::VECTOR_RELATION,
-    errors::TOO_MANY,
-    errors::TOO_FEW,
-];
 
 /// Errors in parts that macros from outside switch on, with true for what is certain: each holds under every definition
 /// that was tried and that switches its place on.
@@ -35,9 +21,7 @@ pub fn errors(shader: &Shader) -> Vec<(bool, Diagnostic)> {
     // A piece is put into shaders of any version; conversions differ between versions.
     let stated = shader.version().span.is_some();
     let whole = shader.function("main").is_some();
-    let holds = |code: Code| {
-        whole && CERTAIN.contains(&code) && (stated || ![errors::ASSIGN_TYPE, errors::OPERAND_TYPE].contains(&code))
-    };
+    let outside = if stated { !Around::TYPES } else { Around::all() };
     // All at once may contradict each other.
     let many = asked.len() > MOST;
     let mut sets = conditions::each_and_all(&asked);
@@ -49,17 +33,19 @@ pub fn errors(shader: &Shader) -> Vec<(bool, Diagnostic)> {
     for defines in sets {
         let parsed = shader.with_defines(&defines);
         for error in &parsed.diagnostics {
-            let told = |(_, d): &(bool, Diagnostic)| context::stands_in(std::slice::from_ref(d), error);
+            let told = |(_, d): &(bool, Diagnostic)| open::stands_in(std::slice::from_ref(d), error);
             if is_active(shader, error.span) || found.iter().any(told) {
                 continue;
             }
             let name = error.file.slice(error.span);
             // The macro stands where a name is wanted: what guards a declaration has taken its name.
             let own = error.code == errors::SYNTAX && defines.iter().any(|(macro_name, _)| macro_name == name);
-            let unsure = context::is_of_unknown_value(&parsed.shader, &asked, error);
-            let certain = own || (!many && !unsure && holds(error.code));
+            let unsure = open::is_of_unknown_value(&parsed.shader, &asked, error);
+            let certain = own
+                || (!many && whole && !open::rests(error).difference(Around::VALUES).intersects(outside) && !unsure);
             let unknown = error.code == errors::UNKNOWN_NAME && !syntax::is_macro(name);
-            let on_request = !many && (unknown || CERTAIN.contains(&error.code));
+            let of_types = !errors::rests_on(error.code).intersects(!(Around::TYPES | Around::VALUES));
+            let on_request = !many && (unknown || of_types);
             if certain || on_request {
                 found.push((certain, error.clone()));
             }
@@ -67,7 +53,7 @@ pub fn errors(shader: &Shader) -> Vec<(bool, Diagnostic)> {
         tried.push(parsed);
     }
     found.retain(|(_, error)| {
-        let holds = |p: &Parsed| !is_active(&p.shader, error.span) || context::stands_in(&p.diagnostics, error);
+        let holds = |p: &Parsed| !is_active(&p.shader, error.span) || open::stands_in(&p.diagnostics, error);
         tried.iter().all(holds)
     });
     found

@@ -1,8 +1,9 @@
 //! Shaders without `#version`: hosts often put a version, and more, in front of a text.
 
-use base::diagnostic::Diagnostic;
 use base::text::SourceFile;
 use syntax::{Parsed, Profile, Shader, Stage, Version, errors};
+
+use crate::open;
 
 /// What a host may state, the oldest first.
 const STATED: [(u32, Profile); 5] = [
@@ -30,7 +31,7 @@ pub fn read_as(file: &SourceFile, stage: Stage, es: bool) -> Parsed {
         return plain;
     }
     // Names that are not declared say nothing about the version.
-    let weight = |p: &Parsed| p.diagnostics.iter().filter(|d| !is_name(d)).count();
+    let weight = |p: &Parsed| p.diagnostics.iter().filter(|d| !open::is_name(d.code)).count();
     let mut best = plain;
     for (number, profile) in STATED.into_iter().filter(|(_, profile)| !es || *profile == Profile::Es) {
         let before = Version { number, profile, span: None };
@@ -40,10 +41,6 @@ pub fn read_as(file: &SourceFile, stage: Stage, es: bool) -> Parsed {
         }
     }
     best
-}
-
-fn is_name(diagnostic: &Diagnostic) -> bool {
-    [errors::UNKNOWN_NAME, errors::UNKNOWN_FUNCTION, errors::UNKNOWN_TYPE].contains(&diagnostic.code)
 }
 
 #[cfg(test)]

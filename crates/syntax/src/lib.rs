@@ -38,6 +38,7 @@ pub mod vanishing;
 mod vast;
 pub mod walk;
 pub mod wgsl;
+pub mod words;
 mod workgroup;
 
 use ast::{Arena, Expr, ExprId, Unit};

@@ -7,9 +7,10 @@ use program::{Dispatch, HostBuffer, ProgramError};
 
 use super::Dispatched;
 use super::host::{Length, Measure, Setting, is_tag, setting};
-use crate::guess::{self, GUESSED, Role, Uses, words_of};
+use crate::guess::{self, GUESSED, Role, Uses};
 use base::value::{Field, Scalar};
 use property::pattern;
+use syntax::words::words;
 
 /// Names of sizes along x, y and z; a single one is `N`.
 const NAMES: [&str; 3] = ["WIDTH", "HEIGHT", "DEPTH"];
@@ -242,7 +243,7 @@ impl Dispatched {
         let names = vec![field.name.clone()];
         let many = self.axes.len() > 1;
         let last = field.name.rsplit('.').next().unwrap_or(&field.name);
-        let counted = || words_of(&field.name).iter().any(|word| ["count", "num", "number"].contains(&word.as_str()));
+        let counted = || words(&field.name).iter().any(|word| ["count", "num", "number"].contains(&word.as_str()));
         let whole = match field.shape.scalar {
             Scalar::I32 | Scalar::U32 => field.shape.array.is_none(),
             // Hosts put counts among floats as well.
@@ -256,7 +257,7 @@ impl Dispatched {
         let expression = |component: &Option<u32>| {
             Some(match setting(&field.name, *component, many) {
                 // What is called padding and nothing else is as good as 0 to begin with.
-                _ if words_of(last).iter().all(|word| ["pad", "padding"].contains(&word.as_str())) => "0".to_owned(),
+                _ if words(last).iter().all(|word| ["pad", "padding"].contains(&word.as_str())) => "0".to_owned(),
                 Setting::Zero => "0".to_owned(),
                 Setting::Groups => product(&terms.groups),
                 Setting::Along(axis) => terms.along.get(axis).cloned().unwrap_or_else(|| "1".to_owned()),
@@ -321,7 +322,7 @@ impl Dispatched {
         if own.is_some_and(|k| self.uses.atomics.contains(&(k as u32))) {
             return filled("constant", "values = [0]\n".to_owned(), "what is counted up from 0");
         }
-        let words = words_of(&field.name);
+        let words = words(&field.name);
         let is = |any: &[&str]| words.iter().any(|word| any.contains(&word.as_str()));
         let alone = field.shape.array.is_some() && field.shape.element_words() == 1;
         if alone && length == Some(&terms.all) && is(&["indices", "index", "order", "permutation", "perm", "ids"]) {

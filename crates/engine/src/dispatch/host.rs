@@ -7,9 +7,9 @@ use program::interp::group::{Buffer, Dispatch, InMemory, Leaf, MemoryShape, Outc
 use program::interp::{Column, Executable, Number, Plain};
 
 use super::{Dispatched, images};
-use crate::guess::words_of;
 use base::value::Scalar;
 use property::Stream;
+use syntax::words::words;
 
 /// Rounds of loops of one invocation, and of a whole dispatch.
 const FUEL: u32 = 1 << 14;
@@ -417,7 +417,7 @@ pub(super) enum Setting {
 /// What a whole number of a uniform is taken for, by its name; `many` where elements lie along several axes.
 pub(super) fn setting(name: &str, component: Option<u32>, many: bool) -> Setting {
     let name = name.rsplit('.').next().unwrap_or(name).trim_end_matches("[]");
-    let words = words_of(name);
+    let words = words(name);
     let is = |any: &[&str]| words.iter().any(|word| any.contains(&word.as_str()));
     if let Some(component) = component {
         let begins = is(&["offset", "start", "base", "first", "origin"]);
@@ -469,7 +469,7 @@ const COUNTS: [&str; 18] = [
 /// True for the name of a whole number that tells kinds apart.
 pub(super) fn is_tag(name: &str) -> bool {
     let tags = ["flags", "flag", "mask", "level", "kind", "type", "tag"];
-    words_of(name).iter().any(|word| tags.contains(&word.as_str()))
+    words(name).iter().any(|word| tags.contains(&word.as_str()))
 }
 
 /// The choices of a host for one dispatch.

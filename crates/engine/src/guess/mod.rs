@@ -9,7 +9,6 @@ use property::generators::{self, Options};
 
 pub use usage::{Usage, Usages, Uses};
 pub use words::TEXTURE_COORDINATES;
-pub(crate) use words::of as words_of;
 
 /// A guess: a generator, its range where it takes one, and why.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,7 +105,7 @@ pub fn with_uses(field: &Field, role: Role, uses: &Uses) -> Guess {
 fn matrix(name: &str, shape: Shape) -> Guess {
     let element = shape.element();
     let plain = name.to_ascii_lowercase();
-    let words = words::of(name);
+    let words = syntax::words::words(name);
     let has = |parts: &[&str]| parts.iter().any(|part| plain.contains(part));
     let is = |whole: &[&str]| words.iter().any(|word| whole.contains(&word.as_str()));
     let any = || guess("interval", Some([-2.0, 2.0]), "any matrix");

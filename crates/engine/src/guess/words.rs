@@ -219,7 +219,7 @@ pub(super) fn candidates(name: &str) -> Vec<Guess> {
             .max_by_key(|(known, _)| known.len());
         longest.map(|(_, guess)| guess.clone())
     };
-    let words = of(last);
+    let words = syntax::words::words(last);
     let mut all: Vec<Guess> = known(&lower).collect();
     // `outerCutOff`: two words that are one.
     for pair in words.windows(2).rev() {
@@ -228,28 +228,6 @@ pub(super) fn candidates(name: &str) -> Vec<Guess> {
     words.iter().rev().for_each(|word| all.extend(known(word)));
     all.extend(ends(&lower));
     words.iter().rev().for_each(|word| all.extend(ends(word)));
-    of(name).iter().rev().for_each(|word| all.extend(known(word)));
+    syntax::words::words(name).iter().rev().for_each(|word| all.extend(known(word)));
     all
-}
-
-/// The words of a name in small letters: `u_LightDir` is `u`, `light`, `dir`.
-pub(crate) fn of(name: &str) -> Vec<String> {
-    let mut words: Vec<String> = Vec::new();
-    let mut lower = false;
-    for c in name.chars() {
-        if !c.is_ascii_alphanumeric() || c.is_ascii_digit() {
-            lower = false;
-            words.push(String::new());
-            continue;
-        }
-        if words.is_empty() || c.is_ascii_uppercase() && lower {
-            words.push(String::new());
-        }
-        lower = c.is_ascii_lowercase();
-        if let Some(word) = words.last_mut() {
-            word.push(c.to_ascii_lowercase());
-        }
-    }
-    words.retain(|word| !word.is_empty());
-    words
 }

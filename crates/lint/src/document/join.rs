@@ -10,7 +10,7 @@ use super::blocks::Block;
 use super::kind::{Kind, file_name, kind};
 use super::{Document, Listing, Place};
 use crate::host::{HostFile, Literal, marks};
-use crate::version;
+use crate::{open, version};
 
 /// One block or several.
 #[derive(Clone)]
@@ -85,8 +85,9 @@ fn continues(part: &Part<'_>, more: &Part<'_>) -> bool {
     let stage = part.stage.or(more.stage).unwrap_or(Stage::Library);
     let read = |p: &Part<'_>| parsed(&p.literal, stage);
     let (joined, before, after) = (read(&part.with(more)), read(part), read(more));
-    let fits = count(&joined, &[errors::REDEFINITION]) == 0 && faults(&joined) <= faults(&before) + faults(&after);
-    let names = |p: &Parsed| count(p, &NAMES);
+    let fits =
+        count(&joined, |code| code == errors::REDEFINITION) == 0 && faults(&joined) <= faults(&before) + faults(&after);
+    let names = |p: &Parsed| count(p, open::is_name);
     fits && (names(&joined) < names(&before) + names(&after) || !marks::has_main(&more.literal.text))
 }
 
@@ -104,19 +105,17 @@ fn goes_on(part: &Part<'_>, more: &Part<'_>) -> bool {
     }
 }
 
-const NAMES: [Code; 3] = [errors::UNKNOWN_NAME, errors::UNKNOWN_FUNCTION, errors::UNKNOWN_TYPE];
-
 fn parsed(literal: &Literal, stage: Stage) -> Parsed {
     version::read(&SourceFile::new("", literal.text.as_str()), stage)
 }
 
-fn count(parsed: &Parsed, codes: &[Code]) -> usize {
-    parsed.diagnostics.iter().filter(|d| codes.contains(&d.code)).count()
+fn count(parsed: &Parsed, is: impl Fn(Code) -> bool) -> usize {
+    parsed.diagnostics.iter().filter(|d| is(d.code)).count()
 }
 
 /// Number of places that do not follow the grammar.
 fn faults(parsed: &Parsed) -> usize {
-    parsed.diagnostics.iter().filter(|d| matches!(d.code.0.get(..3), Some("E00" | "E01"))).count()
+    count(parsed, errors::is_of_the_text)
 }
 
 fn has_version(text: &str) -> bool {
@@ -192,7 +191,7 @@ impl<'b> Part<'b> {
         let stage = self.stage.or_else(|| stage(&self.literal.text)).unwrap_or(Stage::Library);
         let read = parsed(&self.literal, stage);
         let open = !marks::has_main(&self.literal.text) || depth(&self.literal.text) > 0;
-        let lacks = count(&read, &NAMES) > 0 && (self.elided_in_comment || !has_version(&self.literal.text));
+        let lacks = count(&read, open::is_name) > 0 && (self.elided_in_comment || !has_version(&self.literal.text));
         let partial = open || self.elided || lacks;
         // A few lines that show a mistake on purpose are no mistake.
         if partial && shows_a_mistake(&self.literal.text) {
@@ -245,7 +244,7 @@ fn has_changes(code: &str) -> bool {
 fn stage(text: &str) -> Option<Stage> {
     let by_contents = marks::stage(text).ok()?;
     let comment = || text.lines().map(str::trim).find(|l| !l.is_empty()).filter(|l| l.starts_with("//"));
-    let by_comment = || comment().and_then(marks::stage_of_name);
+    let by_comment = || comment().and_then(Stage::of_name);
     by_contents.or_else(by_comment).or_else(|| writes_one_colour(text).then_some(Stage::Fragment))
 }
 

@@ -94,7 +94,7 @@ pub fn kind(tag: &str, text: &str) -> Kind {
         if ["opengl", "webgl", "shader"].contains(&first) && !is_shader(text) {
             return if is_host(text) { Kind::Host } else { Kind::Other };
         }
-        let stage = words(&lower).take(2).find_map(|w| marks::stage_of_name(w).filter(|_| !is_shader_name(w)));
+        let stage = words(&lower).take(2).find_map(|w| Stage::of_name(w).filter(|_| !is_shader_name(w)));
         return Kind::Shader(named.or(stage));
     }
     let neutral = NEUTRAL_WORDS.contains(&first);

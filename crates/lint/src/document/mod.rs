@@ -13,6 +13,7 @@ mod tex;
 
 use base::diagnostic::Code;
 use base::text::{SourceFile, Span};
+use syntax::errors::Around;
 use syntax::{Stage, errors};
 
 use super::host::{Embedded, HostFile, Literal, concerns_shaders};
@@ -165,8 +166,8 @@ pub fn printed_shaders(file: &SourceFile) -> Vec<Printed> {
 
 /// True for what is wrong in whatever a text without its context is put into.
 pub fn holds_anywhere(code: Code) -> bool {
-    let types = code.0.starts_with('T') && ![errors::IMPLICIT_FLOAT, errors::FLOAT_SUFFIX].contains(&code);
-    let front_end =
-        [errors::ASSIGN_TYPE, errors::OPERAND_TYPE, errors::UNKNOWN_FIELD, errors::CONSTRUCTOR, errors::NOT_A_PLACE];
-    types || front_end.contains(&code) || code.0 == "N014"
+    let of_rules = code.0.starts_with('T') || code.0 == "N014";
+    let rests = errors::rests_on(code);
+    // The front end gives codes of rules as well.
+    if rests.is_empty() { of_rules } else { !rests.intersects(!(Around::TYPES | Around::VALUES)) }
 }

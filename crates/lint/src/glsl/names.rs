@@ -2,24 +2,9 @@
 
 use syntax::Shader;
 use syntax::ast::{ExprId, ExprKind};
+use syntax::words::words;
 
 use super::numeric::bare;
-
-/// The words of a name, in small letters: `lightProjection` and `light_projection` have two.
-pub fn words(name: &str) -> Vec<String> {
-    let mut all = vec![String::new()];
-    let mut before = '_';
-    for c in name.chars() {
-        if c == '_' || (c.is_uppercase() && before.is_lowercase()) {
-            all.push(String::new());
-        }
-        before = c;
-        if let (Some(word), true) = (all.last_mut(), c != '_') {
-            word.extend(c.to_lowercase());
-        }
-    }
-    all
-}
 
 /// True when a word of the name begins with one of these.
 pub fn has_word(name: &str, wanted: &[&str]) -> bool {
@@ -32,7 +17,6 @@ pub fn is_normal(name: &str) -> bool {
     let other =
         ["matrix", "mat", "mtx", "map", "tex", "sampler", "uv", "coord", "scale", "strength", "offset", "transform"];
     let says = |w: &str| {
-        let w = w.trim_end_matches(|c: char| c.is_ascii_digit());
         ["normal", "norm", "normals", "nrm", "nor"].contains(&w)
             || w.strip_suffix("normal").is_some_and(|p| p.len() <= 1)
     };
@@ -58,13 +42,6 @@ pub fn of(shader: &Shader, id: ExprId) -> Option<&str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn names_have_words() {
-        assert_eq!(words("lightProjection"), ["light", "projection"]);
-        assert_eq!(words("u_MVP"), ["u", "mvp"]);
-        assert!(!has_word("composition", &["pos"]));
-    }
 
     #[test]
     fn normals_are_known_by_their_names() {

@@ -1,10 +1,10 @@
 //! What names say of numbers of pixels, and of lengths along lines.
 
-use super::names;
+use syntax::words::words;
 
 /// True for the name of a length along a line: of an attribute by its words, of other inputs by what is said of lines alone.
 pub fn is_along(name: &str, attribute: bool) -> bool {
-    let words = names::words(name);
+    let words = words(name);
     let plain: String = words.concat();
     let said = ["linedistance", "linesofar", "linelength", "arclength", "pathlength", "distancealong", "lengthalong"];
     let word = |word: &String| {
@@ -16,7 +16,7 @@ pub fn is_along(name: &str, attribute: bool) -> bool {
 
 /// The power of pixels that the name of a uniform says.
 pub fn said(name: &str) -> Option<i32> {
-    let words = names::words(name);
+    let words = words(name);
     let plain: String = words.concat();
     let has = |all: &[&str]| all.iter().any(|word| plain.contains(word));
     let of = [

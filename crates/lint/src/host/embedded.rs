@@ -92,7 +92,7 @@ pub fn find(host: &HostFile) -> Vec<Embedded> {
     for (candidate, created_as) in candidates.into_iter().zip(created) {
         let Candidate { literal, place, variable } = candidate;
         let Ok(by_contents) = marks::stage(&literal.text) else { continue };
-        let by_name = || variable.as_ref().and_then(|v| marks::stage_of_name(&v.0));
+        let by_name = || variable.as_ref().and_then(|v| Stage::of_name(&v.0));
         let Some(stage) = by_contents.or(created_as.map(|c| c.0)).or_else(by_name) else { continue };
         let line = host.file.position(place.start).line;
         let called = variable.as_ref().map_or_else(|| line.to_string(), |v| v.0.clone());

@@ -57,28 +57,6 @@ fn has_location(code: &str, storage: &str) -> bool {
     })
 }
 
-/// The stage that a variable's name says.
-pub fn stage_of_name(name: &str) -> Option<Stage> {
-    let lower = name.to_ascii_lowercase();
-    let words: Vec<String> = words(name);
-    let is = |long: &[&str], short: &[&str]| {
-        long.iter().any(|l| lower.contains(l)) || words.iter().any(|w| short.contains(&w.as_str()))
-    };
-    let all = [
-        (is(&["vert", "vtx"], &["vs", "vsh"]), Stage::Vertex),
-        (is(&["frag", "pixel"], &["fs", "ps", "fsh"]), Stage::Fragment),
-        (is(&["geom"], &["gs", "gsh"]), Stage::Geometry),
-        (is(&["tesscontrol", "tess_control"], &["tcs", "tesc"]), Stage::TessControl),
-        (is(&["tesseval", "tess_eval"], &["tes", "tese"]), Stage::TessEvaluation),
-        (is(&["compute"], &["cs", "comp"]), Stage::Compute),
-    ];
-    let mut said = all.into_iter().filter(|(is, _)| *is).map(|(_, stage)| stage);
-    match (said.next(), said.next()) {
-        (one, None) => one,
-        _ => None,
-    }
-}
-
 /// The stage of a shader's file whose ending says none: what its text has, or else a word of its name
 /// (`skin_vs.glsl`, `TubeFrag.glsl`). None for a text without `main`, and for one that has marks of two stages.
 pub fn stage_of_file(name: &str, text: &str) -> Option<Stage> {
@@ -89,7 +67,7 @@ pub fn stage_of_file(name: &str, text: &str) -> Option<Stage> {
     // What has no workgroup is no compute shader, whatever it is called.
     let named = || {
         let words = file.rsplit_once('.').map_or(file, |(name, _)| name);
-        stage_of_words(words).filter(|stage| *stage != Stage::Compute)
+        Stage::of_words(words).filter(|stage| *stage != Stage::Compute)
     };
     stage(text).ok()?.or_else(named)
 }
@@ -98,43 +76,9 @@ pub fn stage_of_file(name: &str, text: &str) -> Option<Stage> {
 pub fn stage_of_path(path: &str) -> Option<Stage> {
     let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
     match Stage::from_path(path)? {
-        Stage::Library => stage_of_words(file.rsplit_once('.').map_or(file, |(name, _)| name)),
+        Stage::Library => Stage::of_words(file.rsplit_once('.').map_or(file, |(name, _)| name)),
         stage => Some(stage),
     }
-}
-
-/// The stage that the words of a text say, when they say one.
-pub fn stage_of_words(text: &str) -> Option<Stage> {
-    let of = |word: &String| {
-        Some(match word.as_str() {
-            "vertex" | "vert" | "vtx" | "vs" | "vsh" => Stage::Vertex,
-            "fragment" | "frag" | "pixel" | "fs" | "fsh" | "ps" => Stage::Fragment,
-            "geometry" | "geom" | "gs" | "gsh" => Stage::Geometry,
-            "tesc" | "tcs" => Stage::TessControl,
-            "tese" | "tes" => Stage::TessEvaluation,
-            "compute" | "comp" | "cs" => Stage::Compute,
-            _ => return None,
-        })
-    };
-    let mut said: Vec<Stage> = words(text).iter().filter_map(of).collect();
-    said.dedup();
-    said.first().copied().filter(|_| said.len() == 1)
-}
-
-/// The words of a name, in small letters: `vsSource`, `VS_SOURCE` and `vs2` have the word `vs`.
-fn words(name: &str) -> Vec<String> {
-    let mut found = vec![String::new()];
-    let mut before = ' ';
-    for c in name.chars() {
-        if !c.is_ascii_alphabetic() || (c.is_ascii_uppercase() && before.is_ascii_lowercase()) {
-            found.push(String::new());
-        }
-        if let (true, Some(last)) = (c.is_ascii_alphabetic(), found.last_mut()) {
-            last.push(c.to_ascii_lowercase());
-        }
-        before = c;
-    }
-    found
 }
 
 /// True when `word` stands in the text, not as a part of a longer one.
@@ -240,7 +184,7 @@ mod tests {
             ("source", None),
             ("vertexAndFragment", None),
         ] {
-            assert_eq!(stage_of_name(name), expected, "{name}");
+            assert_eq!(Stage::of_name(name), expected, "{name}");
         }
     }
 

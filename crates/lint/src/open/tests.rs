@@ -327,3 +327,22 @@ fn an_include_is_a_part_of_the_language_where_an_extension_has_it() {
         assert!(found.iter().all(|d| d.code.0 != "E015"), "{found:?}");
     }
 }
+
+#[test]
+fn a_mark_that_a_project_repeats_is_of_another_tool() {
+    let hook = |name: &str| {
+        format!(
+            "#version 330\nin vec2 p;\nout vec4 c;\nvoid main() {{\n  vec2 q = <{name}(p)>;\n  c = vec3(q, 1.0);\n}}\n"
+        )
+    };
+    let (a, b, c) = (hook("moved"), hook("turned"), hook("scaled"));
+    only_on_request(&[("a.frag", a.as_str()), ("b.frag", &b), ("c.frag", &c)], "E001");
+    only_on_request(&[("a.frag", a.as_str()), ("b.frag", &b), ("c.frag", &c)], "T003");
+    // A slip happens once, and copies of a text have one mistake.
+    by_default(&[("a.frag", a.as_str()), ("b.frag", &b)], "E001");
+    by_default(&[("a.frag", a.as_str()), ("b.frag", &a), ("c.frag", &a)], "E001");
+    // Something is missing in front of what ends a statement, however often.
+    let missing = |at: &str| format!("#version 330\nin vec2 p;\nout vec4 c;\nvoid main() {{ c = vec4(p, {at}; }}\n");
+    let (a, b, c) = (missing("0.0, 1.0"), missing("p"), missing("0.5, 0.5"));
+    by_default(&[("a.frag", a.as_str()), ("b.frag", &b), ("c.frag", &c)], "E001");
+}

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use base::diagnostic::{Code, Diagnostic, Severity};
 use base::text::{SourceFile, Span};
 use syntax::ast::ItemKind;
+use syntax::errors::Around;
 use syntax::{Parsed, Shader, Stage, TokenPlace, errors};
 
 use super::{Input, Project, template};
@@ -17,7 +18,7 @@ use crate::host::{Embedded, HostFile, Literal};
 use crate::prelude::{self, Between, Wanted};
 use crate::range::Observed;
 use crate::rule::Level;
-use crate::{conditions, context, es, script, variants, version};
+use crate::{conditions, es, open, script, version};
 
 /// Readings of one text with names defined at most.
 const MOST_VARIANTS: usize = 3;
@@ -193,7 +194,7 @@ impl ShaderFile {
     }
 
     fn doubtful_of(shader: &Shader, found: &[Diagnostic]) -> Vec<(Code, Span)> {
-        let doubtful = context::doubtful(shader, found);
+        let doubtful = open::doubtful(shader, found);
         found.iter().zip(doubtful).filter(|(_, doubtful)| *doubtful).map(|(d, _)| (d.code, d.span)).collect()
     }
 
@@ -235,24 +236,22 @@ impl ShaderFile {
         shader.around = [front, behind];
         shader.front_end.retain(|d| !front.contains(d.span.start) && !behind.contains(d.span.start));
         if matches!(wanted, Wanted::Recognised | Wanted::RecognisedOr(_)) {
-            // Textures may have other types, other parts of the text declare names, and ports of it state a version.
-            const OF_HOST: [Code; 5] = [
-                errors::NO_OVERLOAD,
-                errors::IMPLICIT_FLOAT,
-                errors::FLOAT_SUFFIX,
-                errors::NEEDS_VERSION,
-                errors::EXTENSION,
-            ];
+            // Other parts of the text declare names, textures may have other types, and a name that is declared again shows
+            // another host.
+            let of_another = |d: &Diagnostic| {
+                open::is_about_a_name(d) || [errors::NO_OVERLOAD, errors::REDEFINITION].contains(&d.code)
+            };
+            // A port of such a text states a version, and enables more.
             let stated = shader.shader.version().span.is_some_and(|v| front.contains(v.start));
-            let is_port = |d: &Diagnostic| stated && OF_HOST.contains(&d.code);
-            let is_name = |d: &Diagnostic| context::is_about_a_name(d) && d.help.is_none();
+            let mut open = if stated { Around::ENABLED | Around::TYPES } else { Around::empty() };
             // A text whose `main` the host writes is a piece, of which others may be meant to stand beside it.
-            let is_piece = !behind.is_empty();
-            let holds =
-                |d: &Diagnostic| !is_piece || variants::CERTAIN.contains(&d.code) || context::is_about_a_name(d);
-            // A name that is declared again shows another host.
-            let is_of_another = |d: &Diagnostic| [errors::NO_OVERLOAD, errors::REDEFINITION].contains(&d.code);
-            let sure = |d: &Diagnostic| !is_of_another(d) && !is_port(d) && !is_name(d) && holds(d);
+            if !behind.is_empty() {
+                open |= Around::all().difference(Around::TYPES | Around::VALUES);
+            }
+            let sure = |d: &Diagnostic| {
+                let slip = open::is_about_a_name(d) && d.help.is_some();
+                slip || (!of_another(d) && !open::rests(d).intersects(open))
+            };
             let (sure, asked) = shader.front_end.into_iter().partition(sure);
             (shader.front_end, shader.on_request) = (sure, asked);
         }
@@ -288,7 +287,7 @@ impl ShaderFile {
             None => Self::part(input, (stage, literal)),
         };
         let mut shader = Self { partial: true, ..part };
-        shader.leave(|d| script::holds(d, false, true));
+        shader.leave(|d| !open::rests(d).intersects(script::open(false, true)));
         shader
     }
 
@@ -312,7 +311,7 @@ impl ShaderFile {
         // No version for the web is newer than 3.00.
         let newest = es && shader.shader.version().number == 300;
         // What stands in front may state 3.00, which has more functions.
-        let held = context::holds_in_es(&shader.shader, &shader.front_end);
+        let held = open::holds_in_es(&shader.shader, &shader.front_end);
         let lost: Vec<Span> =
             shader.front_end.iter().zip(held).filter(|(_, held)| !held).map(|(d, _)| d.span).collect();
         let sure_of_es = |code: Code, span: Span| match code {
@@ -321,7 +320,8 @@ impl ShaderFile {
             errors::NEEDS_VERSION | errors::INITIALISER => newest,
             _ => false,
         };
-        shader.leave(|d| script::holds(d, found.partial, lacks) || sure_of_es(d.code, d.span));
+        let open = script::open(found.partial, lacks);
+        shader.leave(|d| !open::rests(d).intersects(open) || sure_of_es(d.code, d.span));
         // What is filled in may have any type.
         let literal = shader.origin.as_ref().map(|o| o.literal.clone()).unwrap_or_default();
         let items = &shader.shader.unit().items;
@@ -362,12 +362,11 @@ impl ShaderFile {
 
     /// True for an error in the body of a function that does not keep the rest from being read.
     fn is_inside(&self, error: &Diagnostic) -> bool {
-        let textual = matches!(error.code.0.get(..3), Some("E00" | "E01"));
         let bodies = self.shader.unit().items.iter().filter_map(|i| match &i.kind {
             ItemKind::Function(f) => f.body.as_ref().map(|_| Span::new(f.head_span.end, i.span.end)),
             _ => None,
         });
-        !textual && bodies.into_iter().any(|b| b.contains(error.span.start))
+        !errors::is_of_the_text(error.code) && bodies.into_iter().any(|b| b.contains(error.span.start))
     }
 
     /// Which values the operands of its calls and operators take, under the ranges that `project` states.

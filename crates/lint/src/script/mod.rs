@@ -18,9 +18,9 @@ mod tests;
 mod token;
 pub mod webgpu;
 
-use base::diagnostic::{Code as ErrorCode, Diagnostic};
 use base::text::{SourceFile, Span};
-use syntax::{BuiltinFunction, Stage, errors};
+use syntax::Stage;
+use syntax::errors::Around;
 
 use super::host::{Embedded, HostPrograms, Lookup, ProgramSource, ShaderRef, marks};
 use code::Code;
@@ -183,7 +183,7 @@ fn stage(text: &Text) -> Option<Stage> {
         }
         return match marks::stage(&code) {
             Ok(Some(stage)) => Some(stage),
-            Ok(None) => text.names.iter().find_map(|name| marks::stage_of_name(name)),
+            Ok(None) => text.names.iter().find_map(|name| Stage::of_name(name)),
             Err(marks::Mixed) => None,
         };
     }
@@ -205,33 +205,13 @@ fn defines_function(code: &str) -> bool {
     })
 }
 
-/// True for an error that holds whatever a host puts in front of the text or into it.
-///
-/// `lacks` says that the text has no version, or uses names which it does not declare: what is put in front of it may
-/// state another version and extensions as well, and mostly states precisions.
-pub fn holds(diagnostic: &Diagnostic, partial: bool, lacks: bool) -> bool {
-    const OF_TYPES: [ErrorCode; 8] = [
-        errors::ASSIGN_TYPE,
-        errors::OPERAND_TYPE,
-        errors::ASSIGN_SIZE,
-        errors::MATRIX_SIZE,
-        errors::SWIZZLE,
-        errors::VECTOR_RELATION,
-        errors::FLOAT_REMAINDER,
-        errors::RETURN_TYPE,
-    ];
-    if partial {
-        return OF_TYPES.contains(&diagnostic.code);
-    }
-    let name = diagnostic.file.slice(diagnostic.span);
-    match diagnostic.code {
-        // A name of the language is none that a host may declare.
-        errors::UNKNOWN_NAME | errors::UNKNOWN_FUNCTION => {
-            name.starts_with("gl_") || BuiltinFunction::from_name(name).is_some()
-        }
-        errors::PRECISION => false,
-        errors::QUALIFIER | errors::NEEDS_VERSION | errors::EXTENSION => !lacks,
-        errors::UNKNOWN_TYPE | errors::INCLUDE | errors::UNKNOWN_DIRECTIVE | errors::CONDITIONAL => false,
-        _ => true,
+/// What a string of a script leaves open: `partial` says that something is filled in, and `lacks` that the text has no
+/// version, or uses names which it does not declare: what is put in front of it may state another version and extensions
+/// as well, and mostly states precisions.
+pub fn open(partial: bool, lacks: bool) -> Around {
+    match (partial, lacks) {
+        (true, _) => Around::all().difference(Around::TYPES | Around::VALUES),
+        (false, true) => Around::NAMES | Around::STAGE | Around::ENABLED,
+        (false, false) => Around::NAMES,
     }
 }

@@ -113,7 +113,7 @@ fn states_domain(body: &str) -> bool {
 /// The code, as the registry has it, of what is given by its code or name.
 fn known(given: &str, rules: &[&'static Rule]) -> Result<&'static str, Cause> {
     let rule = rules.iter().find(|r| r.is_called(given)).map(|r| r.code.0);
-    let front_end = || errors::ALL.iter().map(|(code, _)| code.0).find(|c| c.eq_ignore_ascii_case(given));
+    let front_end = || errors::all().map(|(code, _)| code.0).find(|c| c.eq_ignore_ascii_case(given));
     let unknown = || Cause::UnknownRule { given: given.to_owned(), nearest: nearest(given) };
     rule.or_else(front_end).ok_or_else(unknown)
 }

@@ -38,7 +38,7 @@ fn write(found: &[Diagnostic], context: &Context) -> String {
 /// All rules, and those errors of the front end that were found.
 fn descriptors(found: &[Diagnostic], lang: Lang) -> Vec<Value> {
     let reported: BTreeSet<&str> = found.iter().map(|d| d.code.0).collect();
-    let errors = front_end_errors().iter().filter(|(code, _)| reported.contains(code.0));
+    let errors = front_end_errors().filter(|(code, _)| reported.contains(code.0));
     let errors = errors.map(|(code, line)| {
         json!({ "id": code.0, "shortDescription": { "text": line }, "defaultConfiguration": { "level": "error" } })
     });
@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn rules_are_unique_and_errors_of_the_front_end_are_among_them() {
         let mut found = sample();
-        found.code = front_end_errors()[0].0;
+        found.code = front_end_errors().next().unwrap().0;
         let log = log(&[found]);
         let rules = log["runs"][0]["tool"]["driver"]["rules"].as_array().unwrap().clone();
         let ids: BTreeSet<&str> = rules.iter().map(|r| r["id"].as_str().unwrap()).collect();

@@ -13,7 +13,7 @@ use syntax::types::{ArraySize, ScalarType, Type};
 use syntax::wgsl::ModuleItem;
 
 use super::forms::Forms;
-use super::names::words;
+use syntax::words::words;
 
 /// The rule.
 pub const RULE: Rule = Rule {

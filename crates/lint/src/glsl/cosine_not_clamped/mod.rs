@@ -6,6 +6,7 @@ use base::diagnostic::{Code, Safety, Severity, message};
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind, UnaryOp};
 use syntax::symbols::SymbolKind;
+use syntax::words::words;
 
 use super::forms::{Forms, builtin};
 use super::names;
@@ -38,7 +39,7 @@ fn is_cosine_at_light(shader: &Shader, call: &BuiltinCall<'_>) -> bool {
     let [a, b] = call.args else { return false };
     let (Some(a), Some(b)) = (named(shader, *a), named(shader, *b)) else { return false };
     let is_light = |name: &str| {
-        let words = names::words(name);
+        let words = words(name);
         words.iter().any(|w| w.starts_with("light") || w.starts_with("lamp") || w.starts_with("sun")) || name == "L"
     };
     let is_normal = |name: &str| names::is_normal(name) && !is_light(name);

@@ -6,9 +6,10 @@ use base::diagnostic::{Code, Severity, message};
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind, UnaryOp};
 use syntax::types::Type;
+use syntax::words::words;
 
 use super::forms::{Forms, builtin, constructed, product};
-use super::names::{self, has_word, words};
+use super::names::{self, has_word};
 use super::numeric::{bare, constant};
 
 /// The rule.

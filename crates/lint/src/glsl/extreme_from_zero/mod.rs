@@ -11,8 +11,9 @@ use syntax::Shader;
 use syntax::ast::{Callee, ExprId, ExprKind, Literal, StmtKind};
 use syntax::symbols::SymbolId;
 use syntax::types::Type;
+use syntax::words::words;
 
-use super::names::{has_word, words};
+use super::names::has_word;
 use super::numeric::bare;
 use super::variable::declarator;
 use super::walk::statements;

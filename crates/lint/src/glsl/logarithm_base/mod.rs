@@ -5,6 +5,7 @@ use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 use syntax::ast::{BinaryOp, ExprKind};
+use syntax::words::words;
 
 use super::forms::{Forms, builtin};
 use super::names;
@@ -26,13 +27,12 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     for (_, expr) in shader.arena().iter() {
         let ExprKind::Binary { op: BinaryOp::Div, op_span: _, left, right } = expr.kind else { continue };
         let Some((log, _)) = builtin(shader, left, &["log", "log2"]) else { continue };
-        let Some(name) = names::of(shader, right).filter(|n| names::words(n).last().is_some_and(|w| w == "base"))
-        else {
+        let Some(name) = names::of(shader, right).filter(|n| words(n).last().is_some_and(|w| w == "base")) else {
             continue;
         };
         // A variable of that name may hold the logarithm already.
         let forms = forms.get_or_insert_with(|| Forms::new(shader));
-        let is_logarithm = names::words(name).iter().rev().nth(1).is_some_and(|w| w == "log" || w == "ln");
+        let is_logarithm = words(name).iter().rev().nth(1).is_some_and(|w| w == "log" || w == "ln");
         if is_logarithm || builtin(shader, forms.value(right), &["log", "log2"]).is_some() {
             continue;
         }

@@ -9,9 +9,9 @@ use syntax::interface::Storage;
 use syntax::precision::{Precisions, is_lower};
 use syntax::symbols::{SymbolId, SymbolKind};
 use syntax::types::Type;
+use syntax::words::words;
 
 use super::forms::{Forms, builtin};
-use super::names;
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -105,7 +105,7 @@ fn carries(shader: &Shader, forms: &Forms<'_>, id: ExprId, time: SymbolId, depth
 
 /// True for the name of a time that is counted from the start.
 fn is_time(name: &str) -> bool {
-    let words = names::words(name);
+    let words = words(name);
     let not = [
         "delta",
         "step",

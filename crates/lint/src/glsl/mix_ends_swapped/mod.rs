@@ -6,8 +6,8 @@ use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 use syntax::ast::ExprKind;
 
-use super::names::words;
 use super::numeric::{calls, is_plain};
+use syntax::words::words;
 
 /// The rule.
 pub const RULE: Rule = Rule {

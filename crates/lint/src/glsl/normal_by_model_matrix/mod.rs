@@ -6,9 +6,10 @@ use base::diagnostic::{Code, Severity, message};
 use syntax::Shader;
 use syntax::ast::{ExprId, ExprKind};
 use syntax::types::{ScalarType, Type};
+use syntax::words::words;
 
 use super::forms::{Forms, builtin, constructed, product};
-use super::names::{self, words};
+use super::names;
 use super::numeric::{bare, constant};
 use super::walk::expressions;
 

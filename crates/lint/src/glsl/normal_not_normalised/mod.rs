@@ -7,6 +7,7 @@ use syntax::ast::{ExprId, ExprKind, Interpolation, UnaryOp};
 use syntax::interface::Storage;
 use syntax::symbols::SymbolKind;
 use syntax::types::Type;
+use syntax::words::words;
 use syntax::{Shader, Stage};
 
 use super::forms::{Forms, builtin};
@@ -139,7 +140,7 @@ fn from_derivatives(shader: &Shader) -> Vec<(ExprId, Message)> {
         }
         let Some(symbol) = symbol else { continue };
         let name = &shader.symbol(symbol).name;
-        let is_direction = names::is_normal(name) || names::words(name).iter().any(|w| w == "ng");
+        let is_direction = names::is_normal(name) || words(name).iter().any(|w| w == "ng");
         if !is_direction || taken.iter().any(|id| shader.symbol_of(*id) == Some(symbol)) {
             continue;
         }

@@ -4,6 +4,8 @@ use std::collections::HashSet;
 
 use base::text::Span;
 
+use syntax::words::parts;
+
 use crate::script::code::{Call, Code};
 
 /// A resource that belongs to the pass before.
@@ -27,20 +29,6 @@ struct Stretch<'c> {
     body: usize,
     pipeline: Vec<&'c str>,
     resources: Vec<std::ops::Range<usize>>,
-}
-
-/// The words of a name in either spelling.
-fn words(name: &str) -> Vec<&str> {
-    let mut found = Vec::new();
-    for part in name.split('_').filter(|p| !p.is_empty()) {
-        let mut start = 0;
-        for (at, _) in part.char_indices().skip(1).filter(|(_, c)| c.is_ascii_uppercase()) {
-            found.push(&part[start..at]);
-            start = at;
-        }
-        found.push(&part[start..]);
-    }
-    found
 }
 
 /// The one word in which two names differ.
@@ -68,7 +56,7 @@ fn stretches<'c>(code: &Code<'c>) -> Vec<Stretch<'c>> {
         match code.word(name) {
             Some("set_pipeline" | "setPipeline") => {
                 let last = arguments.first().and_then(|a| a.clone().rev().find_map(|t| code.word(t)));
-                let pipeline = last.map(words).unwrap_or_default();
+                let pipeline = last.map(|name| parts(name).collect()).unwrap_or_default();
                 found.push(Stretch { receiver, body, pipeline, resources: Vec::new() });
             }
             Some(
@@ -100,7 +88,7 @@ pub fn mixed(code: &Code<'_>) -> Vec<Mixed> {
         for resource in &second.resources {
             let Some(before) = first.resources.iter().find(|r| text(r) == text(resource)) else { continue };
             let meant = resource.clone().filter_map(|t| code.word(t)).find_map(|name| {
-                let part = words(name).into_iter().find(|w| w.eq_ignore_ascii_case(other))?;
+                let part = parts(name).find(|w| w.eq_ignore_ascii_case(other))?;
                 let meant = name.replacen(part, &in_case(own, part), 1);
                 known.contains(meant.as_str()).then_some(meant)
             });
