@@ -9,6 +9,9 @@
 //! so that whatever is told about it is told about the file. That is why neither the crate `wesl` nor `naga_oil` is used:
 //! the first prints its syntax tree and keeps places of declarations at most, the second gives a module that has been
 //! through naga's printer several times, where constants have lost the digits that their author wrote.
+//!
+//! A name is changed only where two files would collide, and then in the whole file, so that local variables still
+//! hide what they hid.
 
 mod condition;
 mod declaration;

@@ -1,4 +1,6 @@
 //! What a run does at the moment, for whoever waits for it, and how long it looks into what it found.
+//!
+//! The time limit of a search is the only thing by which shards may differ from a run.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};

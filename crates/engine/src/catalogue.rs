@@ -10,6 +10,9 @@
 //!
 //! assert!(formulas().next().is_none());
 //! ```
+//!
+//! A program that does not link a crate has none of its content: code that loops over the suites of the chapter
+//! without being part of the program names `chapter::SUITES`.
 
 use judge::formula::Formula;
 use property::Relation;

@@ -1,5 +1,8 @@
 //! A run: suites on lanes, in stages or from sources of inputs. Each suite in one way on one lane is a job, whose result
 //! is a [`Part`] that can be joined with those of other shards.
+//!
+//! Lines on the screen, checkpoints and the page of a run observe a session. `mutate`, `fuzz`, `calibrate` and
+//! `refdata` have jobs of other kinds (mutants, functions, operations, blocks) and loops of their own.
 
 use std::cell::RefCell;
 use std::ops::ControlFlow;

@@ -3,6 +3,8 @@
 //! Rules see the whole text, so that they know the types of what comes from other files and what the functions there do. Each file is
 //! the root of a text of its own: what is found in another file of a text is told where that one is the root, and only
 //! there.
+//!
+//! What naga's validator says about a text is passed in by the command line, so that the rules do not depend on naga.
 
 use std::collections::{HashMap, HashSet};
 use std::fmt;

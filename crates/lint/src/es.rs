@@ -1,4 +1,6 @@
 //! Texts as compilers of OpenGL ES read them: phones, and browsers.
+//!
+//! Rules about precisions see this reading alone, and `fuzz`, `tune` and `improve` run it.
 
 use base::diagnostic::Severity;
 use base::text::SourceFile;

@@ -1,5 +1,8 @@
 //! naga's own GLSL reader as a front end under test: the author's text in its dialect, and the module that it makes of
 //! that text. Nothing else is made from this module.
+//!
+//! A text that this reader refuses is no failure. Constants that it folds step by step in binary32 count as the
+//! numbers that the author means.
 
 use naga::compact::KeepUnused;
 use naga::front::glsl;

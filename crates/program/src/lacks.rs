@@ -1,4 +1,6 @@
 //! What a language does not have, in its own words, where its writer says nothing or writes it all the same.
+//!
+//! It is said before the writer runs, by the author's names: a writer stops with names of its own.
 
 use naga::valid::{GlobalUse, ModuleInfo};
 use naga::{

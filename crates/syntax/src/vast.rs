@@ -1,5 +1,7 @@
 //! Structures that are too large to be read. Whoever looks through a type looks at each member of each of its members, so
 //! that a text of thirty lines whose structures double has more members than a machine can visit.
+//!
+//! A type never exceeds these limits, so that code that looks through a type may recurse.
 
 use super::types::{StructField, Type};
 

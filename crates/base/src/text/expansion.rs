@@ -1,4 +1,7 @@
 //! Uses of macros in a text: what a macro writes stands where it is used.
+//!
+//! Arguments of a macro keep their own places. Reporters ask the text for the name of the macro at a place, and
+//! nothing is repaired inside a use.
 
 use std::sync::Arc;
 

@@ -3,6 +3,9 @@
 //! Before its syntax settled, WGSL had attributes in double brackets, `let` at module scope, members that end with
 //! semicolons, and other names for several things. What was only spelled differently is replaced in place, so that
 //! every other byte remains its author's. What has no equivalent is reported by name.
+//!
+//! A text is a draft if its grammar is no longer valid. Only then are constructs that are valid in both languages but
+//! mean something else, such as sizes of textures, read as they were meant.
 
 mod attribute;
 mod library;

@@ -3,6 +3,9 @@
 //!
 //! [`of_function`], [`of_math`], [`of_binary`], [`of_unary`] and [`of_operation`] lead from every built-in to its rows, so that one
 //! without a row does not compile.
+//!
+//! Tests ask the judge to accept the words that are right in a row and to refuse wrong ones, and run every lane on
+//! it. What no lane can be held to is listed in the test, with its reason.
 
 mod functions;
 mod number;

@@ -1,4 +1,7 @@
 //! What speaks against what was met: numbers of a host of whose meaning nothing in the shader tells.
+//!
+//! A finding that appears only where a guessed number makes a divisor zero, where elements fill no whole tiles, or
+//! through numbers that share a vector of four for different purposes, is a note.
 
 use std::collections::{BTreeMap, BTreeSet};
 

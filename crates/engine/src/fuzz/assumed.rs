@@ -2,6 +2,9 @@
 //!
 //! A kernel that is built once for each type cannot be run without one. Where a text holds no errors once such names stand for
 //! something plain, it is run with that, and the report says so.
+//!
+//! A macro of several arguments is taken from host code and build files and never assumed: it has a meaning that must
+//! not be invented.
 
 use base::diagnostic::Severity;
 use program::{WIDE_BYTES, WORKGROUP_SIZE};

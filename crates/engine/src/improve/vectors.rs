@@ -1,5 +1,8 @@
 //! Formulas about vectors for which a better one is known: lengths that overflow or vanish, angles by their cosine,
 //! differences of squares.
+//!
+//! They pass the same proof as formulas that were found. A vector of length 1 is meant exactly; what binary32 made of
+//! it is the input.
 
 use ::improve::{Binary, Id, Node, Term, Unary};
 

@@ -4,6 +4,8 @@
 //! A shard is a contiguous part of the work: shard `I/N` of `n` units has the units `n·I/N..n·(I+1)/N`. Inputs
 //! depend on the seed and on their number alone, so that the shards of a run together see what one run
 //! sees, for every `N`.
+//!
+//! Because a shard is contiguous, a checkpoint is one number. What is done once in a run is done by the first shard.
 
 mod auto;
 mod sealed;

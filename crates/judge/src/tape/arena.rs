@@ -1,4 +1,7 @@
 //! What the tape remembers: one node for each operation on a chunk of slots, its columns side by side.
+//!
+//! A tape has a limit. Endless shaders are found by counting rounds in binary64 and never reach a tape; a loop with
+//! more rounds than a tape has room for is undetermined (`long_loop`), the same on every machine.
 
 use crate::profile::Op;
 use program::Grade;

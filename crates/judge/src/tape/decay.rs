@@ -1,4 +1,7 @@
 //! Outputs that fade out: small because an exponential or a power is, whose natural scale is its value 1 at its start.
+//!
+//! Near 0 a power or an exponential has no correct digits on a device, but its error is small beside 1, the value
+//! from which it falls.
 
 use super::arena::{Id, NodeKind};
 use super::{Column, Tape};

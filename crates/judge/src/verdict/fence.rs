@@ -1,5 +1,7 @@
 //! Invocations whose behaviour the language leaves undefined, kept away from executors: a crash at an index outside of
 //! its array is the shader's fault, and so is what a store there does to other invocations.
+//!
+//! Copies of other invocations take their places, so that each of the rest keeps its own.
 
 use std::collections::HashSet;
 

@@ -2,6 +2,10 @@
 //!
 //! A word is right when it is the nearest to what the shader means, or nearer than a device may surely be off: the
 //! allowance of [`Tape::allowance`] is at most the bound, so that the second look would say the same.
+//!
+//! Most verdicts need no bound, only the knowledge that there is one that is large enough: for any choice of signs |Σ
+//! ±∂y/∂v_k·b_k| is at most Σ |∂y/∂v_k|·b_k, and one forward derivative gives such a sum for all outputs at once.
+//! Only the samples that this leaves open go through the reverse sweep, which runs once for each output.
 
 use super::oracle::JudgeContext;
 use super::reference::Reference;

@@ -4,6 +4,8 @@
 //! the edge of a texel leaves a sample open, and with it outputs that do not depend on it. Here such a sample runs on every
 //! path through its decisions, as far as these are few. A word is right where it is on one of the paths, and wrong where it
 //! is on none and all of them are known.
+//!
+//! An undefined value or a loop without end on a side path leaves the word open.
 
 use std::ops::Range;
 

@@ -1,5 +1,10 @@
 //! The judge: the only place where what a lane wrote, what the shader means and what the formula says
 //! are compared.
+//!
+//! The shader is compared with its formula in binary64, where no lane has a say: a bound of several ULP would let a
+//! factor of 1.0001 pass where an operation is promised little, and would hide a constant with too few digits
+//! everywhere. The lane is compared with the meaning of the shader, within the bound. What an API does not promise is
+//! undetermined, with the operation as the reason; a suite caps the share of such samples.
 
 mod batch;
 mod closeup;

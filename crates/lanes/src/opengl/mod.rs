@@ -3,6 +3,10 @@
 //!
 //! The driver is chosen by the environment of a process, so each driver runs in a process of its own
 //! ([`worker`](super::worker)). Where the program that has them is not there, the usual driver runs in this one.
+//!
+//! What the harness adds stands in texts of its own: a vertex stage in front of a geometry stage, a `main` that calls
+//! a function. Records have no canary here. That they were written is proved by the driver's counts of primitives, a
+//! sentinel in every word of the buffer, and room for one vertex behind it.
 
 mod ask;
 pub(crate) mod call;

@@ -1,4 +1,7 @@
 //! Which drivers there are, and how each is chosen.
+//!
+//! libglvnd offers the driver of a graphics card first: the lanes of Mesa try again with Mesa named, and
+//! `opengl-hardware` takes what comes.
 
 use std::path::Path;
 

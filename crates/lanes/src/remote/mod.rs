@@ -1,5 +1,9 @@
 //! Lanes in halves: a front in this process makes of a kernel what is run, and an engine runs it, here or in a process
 //! of its own, so that a shader that does not end and a driver that crashes take no more than that process.
+//!
+//! A library without the program `shadercheck` has no other process: the engine then runs in this one, with a limit
+//! on the wait. `SHADERCHECK_WORKER` names another program to start for each lane, such as a script that runs it in a
+//! debugger; tests plant faults there.
 
 mod away;
 mod message;

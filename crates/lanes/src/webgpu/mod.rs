@@ -3,6 +3,8 @@
 //!
 //! Tint reads the text that naga writes of the module: what it refuses, and what it takes in another sense, shows here.
 //! Of a shader in WGSL it reads the author's own text.
+//!
+//! Dawn is reached through Node because it comes as a package there and needs no build.
 
 mod dispatch;
 mod messages;

@@ -3,6 +3,9 @@
 //! A driver of OpenGL is chosen by the environment when a process starts; and a shader that does not end, or a driver
 //! that crashes, takes its process along. So each lane of a driver has a process, and what happens to it is a result
 //! like any other.
+//!
+//! After a loss, the batch runs again in pieces and then one invocation at a time, to name the invocation that
+//! triggers it. An invocation that the interpreter finds to be endless is named without that search.
 
 mod frame;
 pub mod tool;

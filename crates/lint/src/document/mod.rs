@@ -1,5 +1,7 @@
 //! Documents: prose with shaders and host code in blocks. Each listing keeps the way back to the document, so
 //! that places and repairs are the document's own.
+//!
+//! A shader or a host listing may be made of several blocks. What a block lacks to be a whole shader is not reported.
 
 mod asciidoc;
 mod blocks;

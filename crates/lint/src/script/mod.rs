@@ -3,6 +3,11 @@
 //! The text of a string says whether it is a shader, and mostly of which stage; else the name does that it is kept
 //! under. Hosts put more in front of such a text than this reader sees: engines declare attributes and uniforms, and
 //! templates fill in names. What may be right with that is not reported.
+//!
+//! These languages are read by their tokens. Look-ups, feeds and shader texts need calls, brackets, strings and
+//! assignments, which all of them share. Grammars of tree-sitter would add 0.4 MB (JavaScript, Python) to 3.4 MB
+//! (Kotlin) of tables each, and 13 s of compiling C. What tokens do not show, such as which of two variables of one
+//! name is meant, is unknown, and nothing is reported about it.
 
 mod code;
 #[cfg(test)]

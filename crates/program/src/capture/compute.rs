@@ -1,4 +1,7 @@
 //! The compute kernel: inputs and uniforms of every case come from storage buffers.
+//!
+//! Uniforms become private variables that are filled from storage before the call: the body stays as it is, and every
+//! invocation can have uniforms of its own.
 
 use std::sync::Arc;
 

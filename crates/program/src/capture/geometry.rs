@@ -1,4 +1,6 @@
 //! `EmitVertex` and `EndPrimitive` for a geometry stage that runs as compute.
+//!
+//! They are empty in the program, so that the interpreter can treat them as what they are.
 
 use naga::{AddressSpace, BinaryOperator, Function, GlobalVariable, Handle, Module};
 

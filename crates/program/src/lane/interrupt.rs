@@ -1,6 +1,9 @@
 //! Whether the run was asked to end. What is under way then ends soon, and what was found so far is reported.
 //!
 //! Signals are sent to a process, and so there is one such question for all of it.
+//!
+//! Waits for devices and loops of the interpreter look at the flag. A slot that is given up is undetermined, or its
+//! batch is not counted; a part of a run goes on from its checkpoint instead.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, LazyLock};

@@ -5,6 +5,10 @@
 //! reader of WGSL refuses what the language refuses, so that it is the front end here: from its module come the
 //! entry points, the interface and the places in the author's text. A module has several entry points and functions;
 //! what is run is chosen from it, and everything that this does not use is left out.
+//!
+//! Tint, which reads the author's text on the lane `webgpu`, is the second opinion on WGSL. The module as written is
+//! kept for translations; the syntax tree of the same text supplies what a module lacks: digits of literals,
+//! comments, and places for edits.
 
 mod choose;
 mod compiled;

@@ -2,6 +2,9 @@
 //!
 //! Every texture has one level, is sampled with the nearest texel and clamped to its edge; a sampler with
 //! a comparison asks whether the reference is at most the depth of the texel (`GL_LEQUAL`).
+//!
+//! A coordinate chooses an integer. Where rounding may choose another one, the decision is open like that of a
+//! comparison.
 
 mod image;
 

@@ -1,4 +1,7 @@
 //! Ordinary samples, drawn side by side in vectors.
+//!
+//! Inputs have the same bits for every width of vectors: what is drawn side by side is computed operation by
+//! operation as `fill` does one by one, and tests compare the two.
 
 use number::wide;
 

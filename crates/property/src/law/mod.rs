@@ -1,4 +1,7 @@
 //! Laws: relations that need no more than the names of inputs and outputs, for any shader.
+//!
+//! Laws are about real numbers, and relate their inputs exactly: a whole turn is 2π, and not the binary32 beside it.
+//! Where a period is no number of binary32, what one step to either side changes is left open.
 
 mod arrays;
 mod bind;

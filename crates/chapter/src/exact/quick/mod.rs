@@ -4,6 +4,9 @@
 //!
 //! A. Ziv, Fast evaluation of elementary mathematical functions with correctly rounded last bit, ACM TOMS 17
 //! (1991), has the test for functions of one number.
+//!
+//! A quick phase is worth its lines where a formula takes much of the time: the sphere, and blending with eight
+//! bones.
 
 mod skinning;
 mod sphere;

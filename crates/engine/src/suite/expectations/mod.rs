@@ -2,6 +2,9 @@
 //!
 //! A failure that an entry expects does not make a run fail; one that an entry expects and that does not come does.
 //! Expectations have no say in what is judged: they are applied to the result of a suite on a stage of a lane, once.
+//!
+//! An entry is about every suite and stage that it matches: one that is too wide shows as a failure that did not
+//! come.
 
 mod apply;
 mod glob;

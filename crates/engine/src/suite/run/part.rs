@@ -1,5 +1,9 @@
 //! What one part of a run found, in a form that can be written down and joined with the other parts. A whole run
 //! is the one part that covers everything: both are told by the same code.
+//!
+//! Counts and the first few failing samples decide what is reported. Joining them is commutative because ties are
+//! broken by the number of the sample. Each part shrinks its own first failing samples, among which are the first few
+//! of the run.
 
 use serde::{Deserialize, Serialize};
 

@@ -2,6 +2,8 @@
 //!
 //! One sample in every place of a batch tells them from faults that depend on inputs. Between two such runs another
 //! batch runs, so that what is left over from it shows.
+//!
+//! Such a fault is in the memory or the readback of the executor. It is reported with its places and not shrunk.
 
 use super::part::Failing;
 use super::trial::Trial;

@@ -1,4 +1,7 @@
 //! Findings about values that the language leaves undefined: the shader is at fault, and no lane is asked.
+//!
+//! An undefined value that goes away with other values of inputs marked `guessed = true` is a warning, since it may
+//! rest on the guess; one that stays for all of them is an error.
 
 use std::convert::Infallible;
 

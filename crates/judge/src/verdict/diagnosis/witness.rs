@@ -2,6 +2,10 @@
 //!
 //! A lane is an executor behind a front end. Lanes that share both say the same thing twice: what counts is in
 //! which groups the sample goes wrong, and not how many lanes there are.
+//!
+//! A lane speaks by its own verdict; where its API promises too little for one, by whether its word is near the
+//! meaning or near the wrong word. Lanes whose front end starts from our module share our reading of the text, and
+//! the report says so where it matters. The interpreter has no front end.
 
 use std::collections::BTreeSet;
 use std::fmt;

@@ -7,6 +7,10 @@
 //! are on one side, a short search goes for the other.
 //!
 //! All of it depends on the program, the samples and the domain alone.
+//!
+//! These samples come beside the stream of a suite, whose bits stay as they are, and are judged by the first part of
+//! a run. Deviations among them count. What agrees or is undetermined is counted apart, since most of them lie where
+//! a lane may decide either way.
 
 mod approach;
 mod bisect;

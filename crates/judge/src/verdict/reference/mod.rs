@@ -1,5 +1,9 @@
 //! What is expected of a program, bound to its inputs and outputs: by a formula, by another program, by
 //! recorded values, by functions of the caller, or by nothing at all.
+//!
+//! A reference in GLSL or WGSL goes through the same tape as the shader; where it is too coarse itself, a sample is
+//! inconclusive. Recorded values state how exact the record is, which is a property of the data and no tolerance of
+//! the shader.
 
 mod error;
 mod evaluator;

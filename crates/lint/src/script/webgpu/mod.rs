@@ -1,5 +1,9 @@
 //! What hosts of WebGPU say of their modules: the texts that they are made of, the functions that pipelines start, the
 //! layouts of vertices and bindings, and the structures whose bytes go into buffers.
+//!
+//! A function is entered once for each of its calls, so that what it describes is compared with each module that it
+//! is given. Descriptors have the same keys in Rust and JavaScript but for their spelling, so that one reader serves
+//! both.
 
 mod dispatch;
 mod group;

@@ -1,4 +1,7 @@
 //! Which memories the barriers of a workgroup have put in order.
+//!
+//! A barrier waits for everybody but orders only the memories that it names: a race remains where two invocations
+//! meet in a memory of another kind.
 
 use naga::Barrier;
 

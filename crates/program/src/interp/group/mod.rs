@@ -8,6 +8,9 @@
 //! Executable ─ machines, SLOTS invocations each ─┐
 //! buffers ─▶ contents, word by word ─────────────┴─ run ─▶ Outcome: contents behind it, incidents
 //! ```
+//!
+//! So barriers cost nothing, and no invocation needs a stack of its own. The price: an invocation that waits in a
+//! loop for another one of its workgroup never ends.
 
 mod access;
 mod cells;

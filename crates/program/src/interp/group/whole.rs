@@ -3,6 +3,11 @@
 //! Small dispatches are one program ([`dispatched`](crate::Program::dispatched)), whose code is written for each
 //! invocation: everything is known of every word. Large ones are run side by side, with what is known of a word in the
 //! word.
+//!
+//! Time and memory then grow with the operations, and not with their product with the outputs. A decision that a
+//! rounding may turn opens what its invocation writes, what is read of that, and each memory whose places depend on
+//! real numbers. Small dispatches stay one program because bounds by a sweep are tighter, and because a failure can
+//! be shrunk.
 
 use std::sync::Arc;
 
