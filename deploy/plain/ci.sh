@@ -1,15 +1,15 @@
 #!/bin/sh
-# Lints and checks shaders as a CI job does: ci.sh [PATH...]; the current folder without a path.
+# Lints and checks shaders as a CI job does: ci.sh [PATH...] (default: the current folder).
 #
 #   RUN          what to do: lint, check, or both (the default)
 #   ARGS         further options of `shadercheck check`, separated by blanks
 #   LINT_ARGS    further options of `shadercheck lint`
-#   LANES        only these lanes, separated by commas; all that are available without it
-#   REQUIRE      lanes that have to be there, separated by commas
+#   LANES        only these lanes, separated by commas (default: all available)
+#   REQUIRE      lanes that must be available, separated by commas
 #   FORMAT       how findings are printed: text (the default), or github for annotations
 #   REPORTS      folder for the reports (shadercheck-reports)
 #   SUMMARY      file that a summary in Markdown is added to; $GITHUB_STEP_SUMMARY on GitHub
-#   SHADERCHECK  the program, where it is not on the path
+#   SHADERCHECK  the program (default: shadercheck on PATH)
 #
 # Exit status: 0 clean, 1 findings, 2 something could not be run.
 set -eu

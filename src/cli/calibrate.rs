@@ -28,28 +28,28 @@ pub use shared::ShardResult;
 /// Arguments of `shadercheck calibrate`.
 #[derive(Args, Clone, Debug)]
 pub struct CalibrateArgs {
-    /// The lane to measure; the first that is available without it
+    /// Lane to measure [default: the first available]
     #[arg(long, value_name = "LANE")]
     pub lane: Option<String>,
-    /// All 2^32 arguments of functions of one argument, instead of samples
+    /// Run functions of one argument on all 2^32 arguments instead of samples
     #[arg(long)]
     pub exhaustive: bool,
-    /// Only these operations, by their names in the table
+    /// Only these operations, named as in the table
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub builtin: Vec<String>,
-    /// Samples of each operation, spread over all binades
+    /// Samples per operation, spread over all binades
     #[arg(long, value_name = "N", default_value_t = 1 << 22, value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
     pub samples: u64,
-    /// Where the measured profile goes; LANE.profile.toml in this folder without it
+    /// File for the measured profile [default: LANE.profile.toml in this folder]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Go on with a run that was stopped, from the state beside the output
+    /// Resume a run that was stopped, from the state beside the output
     #[arg(long)]
     pub resume: bool,
     /// Which part of the samples, or of the sweep
     #[command(flatten)]
     pub sharing: ShardArgs,
-    /// How the result is printed
+    /// Format of the result
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }

@@ -50,14 +50,14 @@ pub struct CheckArgs {
     /// Also all suites that come with shadercheck
     #[arg(long)]
     pub shipped: bool,
-    /// Run this shader instead of the suite's own; needs exactly one suite. Of a document: `README.md:12` for the
-    /// shader at that line
+    /// Run this shader instead of the suite's own; needs exactly one suite. `README.md:12` is the shader at that line
+    /// of a document
     #[arg(long, value_name = "FILE")]
     pub shader: Option<PathBuf>,
-    /// Only these lanes; exit status 2 when one of them is unavailable
+    /// Only these lanes; exit status 2 if one of them is unavailable
     #[arg(long, value_name = "LANE", value_delimiter = ',')]
     pub lane: Vec<String>,
-    /// Fail, with exit status 2, when one of these lanes is unavailable or judges no sample
+    /// Exit status 2 if one of these lanes is unavailable or judges no sample
     #[arg(long, value_name = "LANE", value_delimiter = ',')]
     pub require_lane: Vec<String>,
     /// Only this stage of each lane
@@ -68,44 +68,44 @@ pub struct CheckArgs {
     #[arg(long, value_name = "LIST", num_args = 0..=1, default_missing_value = "constants,uniforms,storage,attributes",
         value_parser = sources)]
     pub sources: Option<Sources>,
-    /// Samples of each suite on each lane; what the suite says without it
+    /// Samples per suite and lane [default: from the suite]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub samples: Option<u64>,
     /// Seed of the inputs: the same seed gives the same inputs everywhere
     #[arg(long, value_name = "S", default_value_t = DEFAULT_SEED)]
     pub seed: u64,
-    /// An eighth of the samples
+    /// Run an eighth of the samples
     #[arg(long, conflicts_with = "samples")]
     pub quick: bool,
-    /// Judge literals such as 3.141593 for π as they are written, and not as the constant with a warning
+    /// Judge literals such as 3.141593 for π as written, instead of as the constant with a warning
     #[arg(long)]
     pub strict_literals: bool,
-    /// Run only this case, as a report's `reproduce` line gives it; needs exactly one suite
+    /// Run only this case, copied from the `reproduce` line of a report; needs exactly one suite
     #[arg(long, value_name = "INPUTS")]
     pub case: Option<String>,
-    /// Measured profile that lanes are compared with: a shipped one by name, a file that `calibrate`
-    /// wrote, or `none`; the shipped one of each lane's device, if there is one, without it
+    /// Measured profile to compare lanes with: a shipped one by name, a file that `calibrate` wrote, or `none`
+    /// [default: the shipped one of each lane's device, if any]
     #[arg(long, value_name = "NAME|FILE")]
     pub profile: Option<String>,
-    /// Failures that are expected: this file, or `none`; without it the `expectations.toml` beside each suite or
-    /// above it, up to the root of the repository (not with --shader and --case)
+    /// File of expected failures, or `none` [default: the nearest `expectations.toml` beside or above each suite, up to
+    /// the root of the repository; none with --shader or --case]
     #[arg(long, value_name = "FILE|none")]
     pub expectations: Option<String>,
-    /// Write the report here as a page (`index.html`) and in every format, and each failing case: the shader, what it was lowered to,
-    /// SPIR-V, inputs and outputs as bits, the command that runs it again, a test for piglit's shader_runner, and an Amber script for
-    /// functions and geometry stages
+    /// Write a page (`index.html`) and the report in every format to this folder, and for each failing case the shader,
+    /// its lowered form, SPIR-V, inputs and outputs as bits, the command that runs it again, a test for piglit's
+    /// shader_runner, and an Amber script for functions and geometry stages
     #[arg(long, value_name = "DIR")]
     pub report_dir: Option<PathBuf>,
-    /// Results of `shadercheck mutate --format json`, to be shown on the page
+    /// Show these results of `shadercheck mutate --format json` on the page
     #[arg(long, value_name = "FILE", requires = "report_dir")]
     pub mutations: Option<PathBuf>,
     /// Which part of the run
     #[command(flatten)]
     pub sharing: ShardArgs,
-    /// On a terminal as well, a line for each suite and stage, without colours, table and progress
+    /// Print a line for each suite and stage on a terminal too, without colours, table and progress
     #[arg(long)]
     pub plain: bool,
-    /// How the result is printed
+    /// Format of the result
     #[arg(long, value_parser = formats(), default_value = TEXT)]
     pub format: String,
 }

@@ -5,12 +5,12 @@ use clap::ValueEnum;
 /// What `--color` takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum ColorChoice {
-    /// On a terminal; `NO_COLOR`, `CLICOLOR_FORCE` and `CLICOLOR` are followed
+    /// On a terminal, unless `NO_COLOR`, `CLICOLOR_FORCE` or `CLICOLOR` say otherwise
     #[default]
     Auto,
-    /// Also in files and pipes
+    /// In files and pipes too
     Always,
-    /// Nowhere
+    /// No colours
     Never,
 }
 

@@ -33,50 +33,53 @@ const SAMPLES: u64 = 1 << 14;
 /// Arguments of `shadercheck compare`.
 #[derive(Args, Clone, Debug)]
 #[command(after_long_help = "\
-Each pair of functions gets the same inputs, those that the first is likely to get. In real numbers the two mean the same, or \
-the smallest input is shown for which they do not. Bounds say how far a conforming device may be off in each, and lanes run \
-both. Functions belong together by name and by the types of their parameters, where \
-`cubic2` of WGSL is the `cubic` of GLSL that takes a `vec2`. Parameters are matched by name, or by place where all types are the same.
+Functions are paired by name and by the types of their parameters: `cubic2` of WGSL is the `cubic` of GLSL that \
+takes a `vec2`. Parameters are matched by name, or by place if all types are the same. Both functions of a pair \
+get the same inputs, those that the first is likely to get.
 
-Exit status: 0 all pairs mean the same; 1 some do not, or a text does not compile; 2 usage, or nothing could be compared.")]
+The report says whether the two mean the same in real numbers, with the smallest input if they do not; how far a \
+conforming device may be off in each; and the results of lanes.
+
+Exit status: 0 all pairs mean the same; 1 some do not, or a text does not compile; 2 usage, or nothing could be \
+compared.")]
 pub struct CompareArgs {
     /// A shader file, or a version of it in git: `HEAD:shaders/light.glsl`
     #[arg(value_name = "FIRST")]
     pub first: String,
-    /// Another one, in any language
+    /// Another shader file or version, in any language
     #[arg(value_name = "SECOND")]
     pub second: String,
-    /// Only functions of this name, or one of several by its types: `cubic(vec2)`; `NAME=OTHER` where the second has another
-    /// name for it; repeatable
+    /// Only functions of this name, or one overload by its types: `cubic(vec2)`; `NAME=OTHER` if the second text calls
+    /// it differently; repeatable
     #[arg(long, value_name = "NAME")]
     pub function: Vec<String>,
     /// What is said of the files and their inputs
     #[command(flatten)]
     pub input: InputArgs,
-    /// Value of a macro, or of an `override` constant of WGSL, in the second text alone; repeatable
+    /// Value of a macro, or of an `override` constant of WGSL, only in the second text; repeatable
     #[arg(long, value_name = "NAME=VALUE", value_parser = translate::definition)]
     pub define_second: Vec<(String, String)>,
     /// What is stated about texts in WGSL that are parts of others.
     #[command(flatten)]
     pub compose: ComposeArgs,
-    /// Only these lanes; all that are available without it
+    /// Only these lanes [default: all available]
     #[arg(long, value_name = "LANE", value_delimiter = ',')]
     pub lane: Vec<String>,
-    /// What bounds are derived from: a shipped profile by name, or a file that `calibrate` wrote; repeatable. The first says
+    /// Profile for bounds: a shipped one by name, or a file that `calibrate` wrote; repeatable. The first one decides
     /// which differences a device may hide
     #[arg(long, value_name = "PROFILE", default_value = "vulkan-1.4")]
     pub profile: Vec<String>,
-    /// Samples of each pair
+    /// Samples per pair
     #[arg(long, value_name = "N", default_value_t = SAMPLES, value_parser = clap::value_parser!(u64).range(1..))]
     pub samples: u64,
-    /// Compare only this case, as a report's `reproduce` line gives it; needs --function
+    /// Compare only this case, copied from the `reproduce` line of a report; needs --function
     #[arg(long, value_name = "INPUTS", requires = "function")]
     pub case: Option<String>,
-    /// Write the comparison here as a page (`index.html`) with charts of both functions, their difference and their bounds over
-    /// each input, and as `report.json`
+    /// Write a page (`index.html`) to this folder, with charts of both functions, their difference and their bounds
+    /// over each input, and `report.json`
     #[arg(long, value_name = "DIR")]
     pub report_dir: Option<PathBuf>,
-    /// How the result is printed
+    /// Format of the result
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }

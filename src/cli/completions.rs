@@ -11,20 +11,20 @@ use crate::cli::Cli;
 use crate::cli::status::ExitStatus;
 use base::text::Shown;
 
-/// Print a script with which a shell completes commands and options
+/// Print a script that completes commands and options in a shell
 ///
 /// bash: `shadercheck completions bash > ~/.local/share/bash-completion/completions/shadercheck`
 #[derive(Args, Clone, Debug)]
 pub struct CompletionsArgs {
-    /// The shell
+    /// Shell to print the script for
     #[arg(value_enum)]
     pub shell: Shell,
 }
 
-/// Write the manual in the form of `man`, a page for each command
+/// Write manual pages, one for each command
 #[derive(Args, Clone, Debug)]
 pub struct ManArgs {
-    /// The folder that the pages go to
+    /// Folder for the pages
     #[arg(value_name = "FOLDER")]
     pub folder: PathBuf,
 }

@@ -15,14 +15,14 @@ use syntax::Stage;
 /// What is stated about texts in WGSL that are parts of others, and about those that a compiler reads.
 #[derive(Args, Clone, Debug, Default)]
 pub struct ComposeArgs {
-    /// File that the host puts before a text in WGSL: what the text does not declare is taken from it; repeatable
+    /// File that the host puts before a text in WGSL; it supplies names that the text does not declare; repeatable
     #[arg(long = "with", value_name = "FILE")]
     pub with: Vec<PathBuf>,
-    /// Give the resources of a text in WGSL a group and a binding where none of them has one, as its host does
+    /// Give the resources of a text in WGSL a group and a binding if none of them has one, as its host does
     #[arg(long)]
     pub assign_bindings: bool,
-    /// Compiler of texts in HLSL and Slang: a `slangc` or `glslangValidator`; without it, `SHADERCHECK_COMPILER`, or the
-    /// first that is found
+    /// Compiler for HLSL and Slang: a `slangc` or `glslangValidator` [default: `SHADERCHECK_COMPILER`, or the first one
+    /// that is found]
     #[arg(long, value_name = "PROGRAM")]
     pub compiler: Option<PathBuf>,
 }

@@ -11,14 +11,14 @@ use lint::{RULES, by_code, nearest};
 use report::page;
 use syntax::errors;
 
-/// Show what a rule, an error code or a kind of finding means; without one, list all rules and codes
+/// Explain a rule, an error code or a kind of finding; without an argument, list all rules and codes
 #[derive(Args, Clone, Debug, Default)]
 pub struct ExplainArgs {
     /// Code (T001) or name (constructor-too-many-args) of a rule, code of an error (E020), kind of a finding of `check`
     /// (deviation), or `suite` for the keys of suite files
     #[arg(value_name = "RULE")]
     pub code: Option<String>,
-    /// Language of the page; LANG decides when it is left out
+    /// Language of the page [default: from LANG]
     #[arg(long, value_enum)]
     pub lang: Option<LangName>,
 }

@@ -37,38 +37,36 @@ const SAMPLES: u64 = 1 << 16;
 /// Arguments of `shadercheck fuzz`.
 #[derive(Args, Clone, Debug, Default)]
 #[command(after_long_help = "\
-Inputs. Most samples are realistic: an input for which nothing is stated is taken for what its name, its \
-type and its use say, such as a direction of length 1, a colour, texture coordinates, a view, or weights \
-that add up to one; a normal matrix follows from its model matrix, and what a fragment shader gets is \
-interpolated. The report says what each input is taken for. One sample in four is hostile: ordinary sizes \
-(0, and 1/1024 to 1024 either sign, spread evenly over the magnitudes), special values, related inputs (equal, \
-parallel and nearly equal vectors, zero vectors, directions, identity and singular matrices), and now and then \
-anything finite: subnormal and huge numbers. With --hostile all samples are. A domain is stated by a comment \
-before the function,
+Inputs. Three samples in four are realistic: the name, type and use of an input decide what it stands for, such \
+as a direction of length 1, a colour, texture coordinates, a view, or weights that add up to one; a normal \
+matrix follows from its model matrix, and the inputs of a fragment shader are interpolated. The report gives the \
+guess for each input. The other samples are hostile: ordinary sizes (0, and 1/1024 to 1024 of either sign, \
+spread evenly over the magnitudes), special values, related inputs (equal, parallel and nearly equal vectors, \
+zero vectors, directions, identity and singular matrices), and now and then any finite number. With --hostile, \
+all samples are hostile. A comment before the function states domains,
 
   // shadercheck: x in [0, 1], t > 0, normalised n, nonzero v, rotation m, whole k
 
-or by --domain. Neither NaN nor infinity is ever an input.
+and so does --domain. NaN and infinity are never inputs.
 
-What is a finding. A lane that gives something else than the function means, or gives different outputs \
-for the same inputs. An output that has no value, is infinite, is not written, or is lost to overflow or \
-underflow on the way although real numbers are fine: where the inputs are realistic or lie in their stated \
-domains. Where it takes inputs of ordinary size that nobody stated, it is a warning, told once for each cause. \
-Where it takes other inputs, it is a note; so it is for numbers of a \
-stated range that are nearer to 0 than 2^-64 of it, or beyond 1024 where it has no end. With --hostile and \
---case, inputs of ordinary size make findings. Outputs that are themselves \
-too large, indices, integers and loops without end are findings only where every input has a stated \
-domain; a signed sum or product that wraps is a note without --strict-integers. A function that loses digits \
-(ill-conditioned) gets a warning.
+Findings. A lane that computes something other than what the function means, or gives different outputs for the \
+same inputs, is a finding. So is an output that has no value, is infinite, is not written, or is lost to \
+overflow or underflow on the way although the real numbers are fine, if the inputs are realistic or lie in their \
+stated domains. If it takes inputs of ordinary size that nobody stated, it is a warning, reported once for each \
+cause; if it takes other inputs, it is a note, and so it is for numbers of a stated range that are nearer to 0 \
+than 2^-64 of it, or beyond 1024 if the range has no end. With --hostile and --case, inputs of ordinary size \
+make findings. Outputs that are themselves too large, indices, integers and endless loops are findings only if \
+every input has a stated domain; a signed sum or product that wraps is a note without --strict-integers. A \
+function that loses digits (ill-conditioned) gets a warning.
 
 Exit status: 0 no finding; 1 findings, or a file that does not compile; 2 usage, a lane of --lane that is \
 unavailable, or nothing could be run.")]
 pub struct FuzzArgs {
-    /// Shader files, where the extension tells the stage and a file without `main` is a library; or documents and host
-    /// code with shaders, as a whole or at a line (`README.md:12`, `scene.cpp:40`); folders are searched for shader files
+    /// Shader files (the extension gives the stage; a file without `main` is a library), documents and host code with
+    /// shaders, as a whole or at a line (`README.md:12`, `scene.cpp:40`), and folders to search for shader files
     #[arg(value_name = "PATH", default_value = ".")]
     pub files: Vec<PathBuf>,
-    /// Only functions of this name; with the types of the parameters, one of several: `f(vec3, float)`
+    /// Only functions of this name, or one overload by its types: `f(vec3, float)`
     #[arg(long, value_name = "NAME")]
     pub function: Vec<String>,
     /// What is said of the files and their inputs
@@ -77,37 +75,37 @@ pub struct FuzzArgs {
     /// What is stated about parts of texts in WGSL
     #[command(flatten)]
     pub compose: ComposeArgs,
-    /// What a host puts around each shader; without it, texts of known hosts are recognised
+    /// Host whose code surrounds each shader [default: recognised from the text]
     #[arg(long, value_name = "NAME", value_parser = super::preludes())]
     pub prelude: Option<String>,
-    /// Only these lanes; without it the first that runs a function, and all others where it is at fault
+    /// Only these lanes [default: the first that runs a function, and all others if it deviates]
     #[arg(long, value_name = "LANE", value_delimiter = ',')]
     pub lane: Vec<String>,
-    /// Run each function on every lane that is available
+    /// Run each function on every available lane
     #[arg(long, conflicts_with = "lane")]
     pub all_lanes: bool,
-    /// Samples of each function
+    /// Samples per function
     #[arg(long, value_name = "N", default_value_t = SAMPLES, value_parser = clap::value_parser!(u64).range(1..))]
     pub samples: u64,
-    /// Run only this case, as a report's `reproduce` line gives it; needs --function
+    /// Run only this case, copied from the `reproduce` line of a report; needs --function
     #[arg(long, value_name = "INPUTS", requires = "function")]
     pub case: Option<String>,
-    /// Also show what only inputs bring about that may never come
+    /// Also show findings at inputs that may never occur
     #[arg(long)]
     pub notes: bool,
-    /// Treat all inputs alike: ordinary sizes, special values and extremes, whatever they are taken for
+    /// Treat all inputs alike, whatever they may stand for: ordinary sizes, special values and extremes
     #[arg(long)]
     pub hostile: bool,
-    /// Also count sums and products of signed integers that do not fit 32 bits, which languages let wrap
+    /// Also report signed sums and products that do not fit 32 bits, although every language lets them wrap
     #[arg(long)]
     pub strict_integers: bool,
-    /// Write a first suite for each function that ran beside its file; never over one that is there
+    /// Write a first suite for each function that ran, beside its file; existing files are kept
     #[arg(long)]
     pub write_suite: bool,
-    /// Which functions of the run: function `k` of all is done by shard `k` modulo N
+    /// Which functions of the run: shard `k` modulo N runs function `k`
     #[command(flatten)]
     pub sharing: ShardArgs,
-    /// How the result is printed
+    /// Format of the result
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }

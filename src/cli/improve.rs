@@ -32,25 +32,26 @@ const SAMPLES: u64 = 1 << 20;
 /// Arguments of `shadercheck improve`.
 #[derive(Args, Clone, Debug)]
 #[command(after_long_help = "\
-Each expression of a function that is a number and loses bits in binary32 is written in other ways: by rules such as \
-1 − cos x = 2 sin²(x/2), differences of roots by their conjugate, ln(1 + x) by artanh. Local variables that are set once are \
-written out; what no rule is about (a texture, a call, a choice) is taken as it is. What loses least over the inputs is proved: \
-in real numbers it is the same at all points, first in binary64 and, where that has too few digits, in 320 bits. Then the judge \
-compares both functions, with the bounds of a device and on the lanes. At most three proposals are shown; nothing is written \
-without --fix.
+Rules write each expression that loses bits in binary32 in other ways, such as 1 − cos x = 2 sin²(x/2), \
+differences of roots by their conjugate, or ln(1 + x) by artanh. Local variables that are set once are expanded; \
+textures, calls and choices are opaque inputs. The forms that lose least are proved: in real numbers they equal \
+the original at all points, in binary64 and, where that has too few digits, in 320 bits. Then the judge compares \
+both functions, with the bounds of a device and on the lanes. At most three proposals are shown; nothing is \
+written without --fix.
 
-Inputs are taken for what their names and uses say, as in `fuzz`. A range is stated by a comment before the function,
+Names and uses decide what inputs stand for, as in `fuzz`. A comment before the function states ranges,
 
   // shadercheck: lat in [-85, 85]
 
-or by --domain. The range of an input of an expression must have both ends.
+and so does --domain. The range of an input of an expression must have two ends.
 
-Exit status: 0 nothing better was found, or it was written; 1 there are proposals, or a file does not compile; 2 usage.")]
+Exit status: 0 nothing better was found, or it was written; 1 there are proposals, or a file does not compile; 2 \
+usage.")]
 pub struct ImproveArgs {
-    /// Shader files in GLSL or WGSL; `FILE:LINE` for the expressions at a line alone, however little they lose
+    /// Shader files in GLSL or WGSL; `FILE:LINE` for all expressions on one line, however little they lose
     #[arg(value_name = "PATH", default_value = ".")]
     pub files: Vec<PathBuf>,
-    /// Only functions of this name; with the types of the parameters, one of several: `f(vec3, float)`
+    /// Only functions of this name, or one overload by its types: `f(vec3, float)`
     #[arg(long, value_name = "NAME")]
     pub function: Vec<String>,
     /// What is said of the files and their inputs
@@ -59,16 +60,16 @@ pub struct ImproveArgs {
     /// Lanes that run both formulas
     #[arg(long, value_name = "LANE", value_delimiter = ',', default_value = "embedded")]
     pub lane: Vec<String>,
-    /// What bounds are derived from: a shipped profile by name, or a file that `calibrate` wrote
+    /// Profile for bounds: a shipped one by name, or a file that `calibrate` wrote
     #[arg(long, value_name = "PROFILE", default_value = "vulkan-1.4")]
     pub profile: String,
-    /// Points at which a proposal is proved
+    /// Points of the proof of a proposal
     #[arg(long, value_name = "N", default_value_t = SAMPLES, value_parser = clap::value_parser!(u64).range(1..))]
     pub samples: u64,
     /// Write the first proposal of each expression into its file
     #[arg(long)]
     pub fix: bool,
-    /// How the result is printed
+    /// Format of the result
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }

@@ -16,18 +16,18 @@ use engine::suite::{self, Suite};
 use lanes::{Lane, StandIn, Wanted};
 use syntax::Stage;
 
-/// Write a first suite for every shader of a folder that can run, or for one file
+/// Write a first suite for one shader, or for every shader of a folder that can run
 ///
-/// Files that are there already are never written over.
+/// Existing files are never overwritten.
 #[derive(Args, Clone, Debug, Default)]
 pub struct InitArgs {
-    /// The folder, or one shader; the current folder without it
+    /// Folder, or one shader [default: the current folder]
     #[arg(value_name = "FOLDER")]
     pub folder: Option<PathBuf>,
     /// Print the JSON Schema of suite files, for editors, and write nothing
     #[arg(long)]
     pub schema: bool,
-    /// Show what would be written, and write nothing
+    /// Show the files without writing them
     #[arg(long, conflicts_with = "schema")]
     pub dry_run: bool,
 }

@@ -14,7 +14,7 @@ use engine::suite::run::DEFAULT_SEED;
 /// What is said of shaders and their inputs.
 #[derive(Args, Clone, Debug, Default)]
 pub struct InputArgs {
-    /// Stage of the files, where their endings do not say it or say another
+    /// Stage of the files, if their extensions do not give it or give another
     #[arg(long, value_enum, value_name = "STAGE")]
     pub stage: Option<StageName>,
     /// Values that an input takes: `x=[0,1]`, `f.x=(0,inf)`, `n=normalised`, `m=rotation`; repeatable
@@ -23,7 +23,7 @@ pub struct InputArgs {
     /// Value of a macro, or of an `override` constant of WGSL: `--define WIDTH=8`; repeatable
     #[arg(short = 'D', long, value_name = "NAME=VALUE", value_parser = translate::definition)]
     pub define: Vec<(String, String)>,
-    /// Folders that are searched for included files
+    /// Folders to search for included files
     #[arg(short = 'I', long = "include", value_name = "FOLDER")]
     pub include: Vec<PathBuf>,
     /// Seed of the inputs: the same seed gives the same inputs everywhere

@@ -13,7 +13,7 @@ use lanes::{self, Description, Unavailable};
 /// Arguments of `shadercheck lanes`.
 #[derive(Args, Clone, Debug, Default)]
 pub struct LanesArgs {
-    /// How the result is printed
+    /// Format of the result
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }

@@ -34,29 +34,29 @@ use files::Loaded;
 use groups::Groups;
 use known::Known;
 
-/// Find faults in shaders, also in documents and in strings of host code, and in the code that feeds them
+/// Find faults in shaders, including those in documents and in strings of host code, and in the code that feeds them
 ///
-/// Folders are searched; what .gitignore names and hidden files are left out. The nearest
-/// shadercheck.toml above a file says how it is linted; options go before it.
+/// Folders are searched, without hidden files and files that .gitignore names. The nearest shadercheck.toml above a
+/// file configures how it is linted; options take precedence.
 #[derive(Args, Clone, Debug, Default)]
 pub struct LintArgs {
-    /// Files, and folders that are searched for shaders and host code
+    /// Files, and folders to search for shaders and host code
     #[arg(value_name = "PATH", default_value = ".")]
     pub paths: Vec<PathBuf>,
-    /// Repair what can be repaired without changing the meaning
+    /// Apply the repairs that keep the meaning
     #[arg(long)]
     pub fix: bool,
-    /// With --fix or --diff: repair also where the result may change
+    /// With --fix or --diff: also apply repairs that may change the result
     #[arg(long)]
     pub unsafe_fixes: bool,
     /// Print the repairs as a patch; write nothing
     #[arg(long)]
     pub diff: bool,
-    /// Look for better formulas where rules about numbers speak, prove them, and offer them as repairs; with --fix or --diff
-    /// also run each repaired shader before and after, and tell how far its outputs move
+    /// Look for better formulas for findings about numbers, prove them, and offer them as repairs; with --fix or
+    /// --diff, also run each repaired shader before and after, and report how far its outputs move
     #[arg(long)]
     pub prove: bool,
-    /// Stage of the shader files that are named, where their endings do not say it or say another
+    /// Stage of the named shader files, if their extensions do not give it or give another
     #[arg(long, value_enum, value_name = "STAGE")]
     pub stage: Option<StageName>,
     /// Only these rules: codes (T001), families of codes (H), or names
@@ -65,19 +65,19 @@ pub struct LintArgs {
     /// Without these rules
     #[arg(long, value_name = "RULE", value_delimiter = ',')]
     pub ignore: Vec<String>,
-    /// Also rules that report what may be meant (strict), or that guess by names (heuristic)
+    /// Also rules that report what may be intended (strict), or that guess by names (heuristic)
     #[arg(long, value_enum)]
     pub level: Option<LevelName>,
-    /// How findings are printed; text when it is left out
+    /// Format of the findings [default: text]
     #[arg(long, value_parser = formats())]
     pub format: Option<String>,
-    /// Print how often each rule was found, and no findings
+    /// Print the number of findings of each rule instead of the findings
     #[arg(long, conflicts_with_all = ["format", "diff", "write_baseline"])]
     pub statistics: bool,
-    /// Print information as well where folders are searched; it is always there where files or rules are named
+    /// Print information when folders are searched too; for named files or rules it is always printed
     #[arg(long)]
     pub info: bool,
-    /// Write the report to a file, and findings as text to standard output
+    /// Write the report to this file, and findings as text to standard output
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// Read this configuration instead of the nearest shadercheck.toml
@@ -86,25 +86,25 @@ pub struct LintArgs {
     /// Read no configuration
     #[arg(long)]
     pub no_config: bool,
-    /// Do not tell findings that this file knows
+    /// Leave out findings that are recorded in this file
     #[arg(long, value_name = "FILE")]
     pub baseline: Option<PathBuf>,
     /// Record all findings in a file for --baseline
     #[arg(long, value_name = "FILE", conflicts_with_all = ["baseline", "fix", "diff"])]
     pub write_baseline: Option<PathBuf>,
-    /// With --baseline: remove from the file what is not found any more
+    /// With --baseline: remove entries that are no longer found from the file
     #[arg(long, requires = "baseline", conflicts_with = "diff")]
     pub prune_baseline: bool,
-    /// What a host puts around each shader; without it, texts of known hosts are recognised
+    /// Host whose code surrounds each shader [default: recognised from the text]
     #[arg(long, value_name = "NAME", value_parser = super::preludes())]
     pub prelude: Option<String>,
-    /// Folders that are searched for files that a text in WGSL imports
+    /// Folders to search for imported and included files
     #[arg(short = 'I', long = "include", value_name = "FOLDER")]
     pub include: Vec<PathBuf>,
-    /// Exit status 0 also when there are findings
+    /// Exit with status 0 even if there are findings
     #[arg(long)]
     pub exit_zero: bool,
-    /// Language of messages; LANG decides when it is left out
+    /// Language of messages [default: from LANG]
     #[arg(long, value_enum)]
     pub lang: Option<LangName>,
 }
@@ -116,10 +116,10 @@ fn formats() -> PossibleValuesParser {
 /// Names of the levels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum LevelName {
-    /// What is wrong or wasteful for certain
+    /// What is certainly wrong or wasteful
     #[default]
     Default,
-    /// Also what is often a mistake, and sometimes meant
+    /// Also what is often a mistake and sometimes intended
     Strict,
     /// Also guesses by names and habits
     Heuristic,

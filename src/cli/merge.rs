@@ -21,24 +21,25 @@ use engine::shard::{self, Identity, Sealed, Shard, Sort};
 /// Arguments of `shadercheck merge`.
 #[derive(Args, Clone, Debug, Default)]
 #[command(after_long_help = "\
-A folder stands for the results of shards in it, shard-I-of-N.json; a file for itself. Every shard has to be there \
-once, and all have to be of one run: the same command, version, seed and parameters. The report, and the exit status, \
-are those of the run without shards.
+A folder stands for the results of shards in it, shard-I-of-N.json. Every shard must be there once, and all must \
+be of one run: the same command, version, seed and parameters. The report and the exit status are those of the \
+run without shards.
 
-With --out what was joined is also written to a file, which may be joined again: 10000 results can be joined in \
-groups. Shards may then be missing.
+With --out, the joined result is also written to a file, which may be joined again, so that 10000 results can be \
+joined in groups. Shards may then be missing.
 
-Of reference data (`refdata generate --shard`) the parts are listed with the SHA-256 of the whole, which is that of the \
-run without shards: a folder of Parquet files is one data set for its readers. --out FILE writes the file of the run \
-without shards, in the format that its ending tells (npz, parquet, csv, json, h); a folder gets one file for each suite.")]
+For reference data (`refdata generate --shard`), the parts are listed with the SHA-256 of the whole, which is \
+that of the run without shards; readers take a folder of Parquet files as one data set. --out FILE writes the \
+file of the run without shards, in the format of its extension (npz, parquet, csv, json, h); a folder gets one \
+file for each suite.")]
 pub struct MergeArgs {
-    /// Folders and files with results; the folder `shards` without one
+    /// Folders and files with results [default: the folder `shards`]
     #[arg(value_name = "DIR|FILE")]
     pub paths: Vec<PathBuf>,
-    /// Write what was joined to this file, also when shards are missing
+    /// Write the joined result to this file, even if shards are missing
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// How the result is printed
+    /// Format of the result
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }

@@ -159,10 +159,10 @@ fn lang(given: Option<LangName>) -> Lang {
 #[derive(Parser, Debug)]
 #[command(name = "shadercheck", version, max_term_width = 100)]
 pub struct Cli {
-    /// When output has colours
+    /// When to colour output
     #[arg(long, global = true, value_enum, value_name = "WHEN", default_value_t)]
     pub color: ColorChoice,
-    /// With --version: also the commit, the features and the versions of naga and wgpu
+    /// With --version: also print the commit, the features and the versions of naga and wgpu
     #[arg(long, requires = "version")]
     pub verbose: bool,
     /// What to do
@@ -179,7 +179,7 @@ pub enum Command {
     /// Run every function of a shader file on generated inputs, without a suite
     #[cfg(feature = "run")]
     Fuzz(fuzz::FuzzArgs),
-    /// Hold a function of one text against that of another, in whatever languages they are
+    /// Compare functions of two shader texts, in any two languages
     #[cfg(feature = "run")]
     Compare(compare::CompareArgs),
     /// Find formulas that lose fewer bits than the expressions of a shader
@@ -200,27 +200,27 @@ pub enum Command {
     /// Find which declarations may be mediump on phones, and which must be highp
     #[cfg(feature = "run")]
     Tune(tune::TuneArgs),
-    /// Put small faults into shaders and see whether their suites notice
+    /// Plant small faults in shaders and report which their suites miss
     #[cfg(feature = "run")]
     Mutate(mutate::MutateArgs),
     /// Run random programs on every lane and through every translator
     #[cfg(feature = "run")]
     Torture(torture::TortureArgs),
-    /// Write reference data, and compare anyone's results with them
+    /// Write reference data, and compare results with them
     #[cfg(feature = "run")]
     Refdata(refdata::RefdataArgs),
-    /// Join what the shards of a run found
+    /// Join the results of the shards of a run
     #[cfg(feature = "run")]
     Merge(merge::MergeArgs),
     /// Show what can run shaders here
     #[cfg(feature = "run")]
     Lanes(lanes::LanesArgs),
-    /// Measure how far a device's operations are off, beside what is promised
+    /// Measure the errors of a device's operations, beside what is promised
     #[cfg(feature = "run")]
     Calibrate(calibrate::CalibrateArgs),
-    /// Print a script with which a shell completes commands and options
+    /// Print a script that completes commands and options in a shell
     Completions(completions::CompletionsArgs),
-    /// Write the manual in the form of `man`, a page for each command
+    /// Write manual pages, one for each command
     #[command(hide = true)]
     Man(completions::ManArgs),
     /// Run jobs of a lane that another process sends

@@ -45,22 +45,22 @@ pub struct MutateArgs {
     /// Only these operators; `list` shows them
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub operator: Vec<String>,
-    /// The lane that runs the mutants; the first one that is available without it
+    /// Lane that runs the mutants [default: the first available]
     #[arg(long, value_name = "LANE")]
     pub lane: Option<String>,
-    /// Samples of a mutant that no sample before has killed
+    /// Samples per mutant, as long as none of them kills it
     #[arg(long, value_name = "N", default_value_t = SAMPLES, value_parser = clap::value_parser!(u64).range(1..))]
     pub samples: u64,
     /// Seed of the inputs: the same seed gives the same inputs everywhere
     #[arg(long, value_name = "S", default_value_t = DEFAULT_SEED)]
     pub seed: u64,
-    /// Lowest score, in per cent, that is no finding
+    /// Lowest acceptable score, in percent
     #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = percent)]
     pub floor: f64,
-    /// Which mutants of the run: mutant `k` of a suite is done by shard `k` modulo N
+    /// Which mutants of the run: shard `k` modulo N runs mutant `k` of a suite
     #[command(flatten)]
     pub sharing: ShardArgs,
-    /// How the result is printed
+    /// Format of the result
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }

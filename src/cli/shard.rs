@@ -19,12 +19,12 @@ use lanes::{self, Unavailable, interrupt};
 /// Arguments of every command that can be shared out.
 #[derive(Args, Clone, Debug, Default)]
 pub struct ShardArgs {
-    /// Do one part of the run, I of N, counted from 0, and write what it found into --shard-dir; `auto`
-    /// takes I and N from Slurm, Kubernetes, AWS Batch, GitLab, Buildkite, or SHADERCHECK_SHARD_INDEX and
-    /// SHADERCHECK_SHARD_COUNT; `shadercheck merge` joins the parts
+    /// Run one part of the run, I of N, counted from 0, and write its result to --shard-dir; `auto` takes I and N from
+    /// Slurm, Kubernetes, AWS Batch, GitLab, Buildkite, or SHADERCHECK_SHARD_INDEX and SHADERCHECK_SHARD_COUNT;
+    /// `shadercheck merge` joins the parts
     #[arg(long, value_name = "I/N|auto")]
     pub shard: Option<String>,
-    /// Folder for the results of the parts; a part that was stopped goes on from there when it is run again
+    /// Folder for the results of the parts; a part that was stopped continues from there when it is run again
     #[arg(long, value_name = "DIR", default_value = "shards", requires = "shard")]
     pub shard_dir: PathBuf,
 }
@@ -46,7 +46,7 @@ impl ShardArgs {
     }
 }
 
-/// Lanes that were wanted and could not be had, as results hold them.
+/// Lanes that were asked for and unavailable, as stored in results.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Absent(Vec<(String, Unavailable)>);

@@ -38,18 +38,18 @@ pub enum LanguageName {
 /// Arguments of `shadercheck torture`.
 #[derive(Args, Clone, Debug)]
 #[command(after_long_help = "\
-Each program is made of the seed and its number: typed and valid by construction, in GLSL or WGSL, as a function or as a \
-vertex, fragment or compute stage. It runs on every lane, and its translations are read back; outputs are held against \
-what the program means, within the errors that the API allows. What a program shows is made smaller as a program and as \
-an input. Those of one cause are told once.
+Each program is made from the seed and its number: valid by construction, in GLSL or WGSL, as a function or as a \
+vertex, fragment or compute stage. It runs on every lane, and its translations are read back; outputs are \
+compared with what the program means, within the errors that the API allows. A program with a finding is made \
+smaller, as a program and as an input. Programs with one cause are reported once.
 
-Findings are: a lane that gives something else than the program means or other outputs for the same inputs, a translation \
-of another meaning, a driver or translator that crashes or hangs, a call that fails, a panic of naga.
+Findings are: a lane whose outputs are not what the program means, or differ for the same inputs; a translation \
+with another meaning; a driver or translator that crashes or hangs; a call that fails; a panic of naga.
 
-Exit status: 0 no finding; 1 findings; 2 usage, a lane of --lane that is unavailable, or nothing could be run; 130 and \
-143 when SIGINT or SIGTERM ended the run, which then reports what it had found.")]
+Exit status: 0 no finding; 1 findings; 2 usage, a lane of --lane that is unavailable, or nothing could be run; \
+130 and 143 if SIGINT or SIGTERM ended the run, which then reports what it had found.")]
 pub struct TortureArgs {
-    /// Programs of the run
+    /// Number of programs
     #[arg(long, value_name = "N", default_value_t = PROGRAMS, value_parser = clap::value_parser!(u64).range(1..))]
     pub programs: u64,
     /// Number of the first program, to run one again: `--first 17 --programs 1`
@@ -61,19 +61,19 @@ pub struct TortureArgs {
     /// Only programs in this language
     #[arg(long, value_enum, value_name = "LANGUAGE")]
     pub language: Option<LanguageName>,
-    /// Only these lanes; all that are available without it
+    /// Only these lanes [default: all available]
     #[arg(long, value_name = "LANE", value_delimiter = ',')]
     pub lane: Vec<String>,
-    /// Samples of each program
+    /// Samples per program
     #[arg(long, value_name = "N", default_value_t = engine::torture::SAMPLES, value_parser = clap::value_parser!(u64).range(1..))]
     pub samples: u64,
-    /// Write a folder for each cause into this folder: the program, its suite, and a text to file
+    /// Write a folder for each cause to this folder, with the program, its suite, and a bug report
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Which programs of the run: program `k` is done by shard `k` modulo N
+    /// Which programs of the run: shard `k` modulo N runs program `k`
     #[command(flatten)]
     pub sharing: ShardArgs,
-    /// How the result is printed
+    /// Format of the result
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }

@@ -21,35 +21,35 @@ use syntax::{Shader, Stage};
 /// Arguments of `shadercheck translate`.
 #[derive(Args, Clone, Debug)]
 pub struct TranslateArgs {
-    /// Shader file; the extension tells the stage (.vert, .frag, .geom, .comp; .glsl by its text and name, or else a
-    /// function library)
+    /// Shader file; the extension gives the stage (.vert, .frag, .geom, .comp). A .glsl file gives it by its text and
+    /// name, or else is a function library
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// Language: spirv, wgsl, glsl330 (or glsl), glsl450, glsl-es310, msl, hlsl
     #[arg(long, value_name = "LANGUAGE")]
     pub to: Language,
-    /// Stage of the shader, where its ending does not say it or says another
+    /// Stage of the shader, if its extension does not give it or gives another
     #[arg(long, value_enum, value_name = "STAGE")]
     pub stage: Option<StageName>,
-    /// Function to translate, for a function library; the first one when there is only one
+    /// Function of a library to translate [default: the only one]
     #[arg(long, value_name = "NAME")]
     pub entry: Option<String>,
     /// Value of a macro, or of an `override` constant of WGSL: `--define WIDTH=8`; repeatable
     #[arg(short = 'D', long, value_name = "NAME=VALUE", value_parser = definition)]
     pub define: Vec<(String, String)>,
-    /// Folder in which included files are looked for, after that of the file that includes them
+    /// Folder to search for included files, after that of the file that includes them
     #[arg(short = 'I', long = "include", value_name = "FOLDER")]
     pub include: Vec<PathBuf>,
     /// What is stated about parts of texts in WGSL
     #[command(flatten)]
     pub compose: ComposeArgs,
-    /// What a host puts around each shader; without it, texts of known hosts are recognised
+    /// Host whose code surrounds the shader [default: recognised from the text]
     #[arg(long, value_name = "NAME", value_parser = super::preludes())]
     pub prelude: Option<String>,
-    /// Go on where the language refuses code that the translation does not use; its errors are printed all the same
+    /// Continue after errors in code that the translation does not use; they are still printed
     #[arg(long)]
     pub lenient: bool,
-    /// File to write; standard output without it
+    /// File to write [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
 }

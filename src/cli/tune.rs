@@ -30,43 +30,44 @@ const SAMPLES: u64 = 1 << 14;
 /// Arguments of `shadercheck tune`.
 #[derive(Args, Clone, Debug)]
 #[command(after_long_help = "\
-Each declaration that holds floating-point numbers is tried at mediump and at highp: parameters, local variables, uniforms, \
-inputs, outputs, results of functions. The smallest set of highp declarations is sought with which the outputs stay within \
-half a step of their format on devices that err as far as GLSL ES and Vulkan allow: 10 bits, a range of 2^14. Colours of a \
-fragment stage are taken for 8 bits; gl_Position may be off by half a pixel of --viewport; for other outputs state --error. \
-A decision at an edge (a comparison, floor, a texel) may fall to the other side where its operand is that near to it, on one \
-sample in 64.
+Each declaration that holds floating-point numbers is tried at mediump and at highp: parameters, local \
+variables, uniforms, inputs, outputs, results of functions. The result is the smallest set of highp declarations \
+with which the outputs stay within half a step of their format on devices that err as far as GLSL ES and Vulkan \
+allow: 10 bits, a range of 2^14. Colours of a fragment stage have 8 bits unless --target says otherwise; \
+gl_Position may be off by half a pixel of --viewport; for other outputs state --error. On up to one sample in \
+64, a decision (a comparison, floor, a texel) may come out on the other side of an edge that its operand is near \
+to.
 
-Inputs are taken for what their names and uses say, as in `fuzz`. A range is stated by a comment before the function,
+Names and uses decide what inputs stand for, as in `fuzz`. A comment before the function states ranges,
 
   // shadercheck: u_time in [0, 3600]
 
-or by --domain. It must have both ends.
+and so does --domain. A range must have two ends.
 
-Exit status: 0 nothing can be lower and nothing is too low, or the patch was written; 1 there is a patch, the outputs are off \
-whatever is declared, or a file does not compile; 2 usage.")]
+Exit status: 0 nothing can be lower and nothing is too low, or the patch was written; 1 there is a patch, the \
+outputs are off whatever is declared, or a file does not compile; 2 usage.")]
 pub struct TuneArgs {
-    /// Shader files in GLSL ES, or in desktop GLSL with the qualifiers of 1.30; or documents and host code with shaders, as a
-    /// whole or at a line (`Renderer.java:12`)
+    /// Shader files in GLSL ES, or in desktop GLSL with the qualifiers of 1.30; documents and host code with shaders,
+    /// as a whole or at a line (`Renderer.java:12`)
     #[arg(value_name = "PATH", default_value = ".")]
     pub files: Vec<PathBuf>,
-    /// The function whose outputs count; `main` without it
+    /// Function whose outputs count [default: main]
     #[arg(long, value_name = "NAME")]
     pub entry: Option<String>,
     /// What is said of the files and their inputs
     #[command(flatten)]
     pub input: InputArgs,
-    /// What outputs may be off by: `0.001`, `1/255`, or `v_uv=0.001` for one of them; repeatable
+    /// Largest error of outputs: `0.001`, `1/255`, or `v_uv=0.001` for one of them; repeatable
     #[arg(long, value_name = "[OUTPUT=]ERROR")]
     pub error: Vec<String>,
-    /// Format of the outputs, of which half a step may be lost: `rgba8`, `rgb10_a2`, `rgba16f`, or `o_normal=rgba16f`;
-    /// repeatable
+    /// Format of the outputs, which may be off by half a step of it: `rgba8`, `rgb10_a2`, `rgba16f`, or
+    /// `o_normal=rgba16f`; repeatable
     #[arg(long, value_name = "[OUTPUT=]FORMAT")]
     pub target: Vec<String>,
-    /// Size of the viewport in pixels, of which `gl_Position` may lose half of one
+    /// Size of the viewport in pixels; `gl_Position` may be off by half a pixel
     #[arg(long, value_name = "WxH", value_parser = viewport)]
     pub viewport: Option<[f64; 2]>,
-    /// Width and height of textures: coordinates of 1024 texels and more stay `highp`
+    /// Width and height of textures; coordinates stay `highp` from 1024 texels on
     #[arg(long, value_name = "TEXELS", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub texture_size: u32,
     /// Samples of the proof
@@ -75,7 +76,7 @@ pub struct TuneArgs {
     /// Write the precisions into the files
     #[arg(long)]
     pub fix: bool,
-    /// How the result is printed
+    /// Format of the result
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }

@@ -13,9 +13,9 @@ use lanes::{opengl, remote, worker};
 /// Arguments of `shadercheck worker`.
 #[derive(Args, Clone, Debug)]
 pub struct WorkerArgs {
-    /// Which lanes are served
+    /// Lanes to serve
     side: String,
-    /// What the engine does wrong on purpose: garbage, lost-device, out-of-memory, crash or hang
+    /// Fault of the engine to plant: garbage, lost-device, out-of-memory, crash or hang
     #[arg(long)]
     plant: Option<Fault>,
 }

@@ -91,7 +91,7 @@ pub fn open_first(name: Option<&String>) -> Result<Opened, UnknownLane> {
 pub struct Opened {
     /// The lanes.
     pub lanes: Vec<Box<dyn Lane>>,
-    /// Lanes that were wanted and is not available, and why.
+    /// Lanes that were asked for and are unavailable, and why.
     pub missing: Vec<(LaneName, Unavailable)>,
 }
 

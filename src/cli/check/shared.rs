@@ -23,7 +23,7 @@ use lanes::{LaneError, interrupt};
 #[derive(Debug, Serialize, Deserialize)]
 pub struct ShardResult {
     lanes: Vec<LaneUsed>,
-    /// Lanes that were wanted and not available, on some machine.
+    /// Lanes that were asked for and unavailable on some machine.
     unavailable: Absent,
     /// Lanes that were asked for by name, and those that have to judge something.
     #[serde(default)]

@@ -32,7 +32,7 @@ use transport::Incoming;
 /// configurations of editors.
 #[derive(Args, Clone, Debug, Default)]
 pub struct LspArgs {
-    /// Accepted because clients pass it: there is no other transport
+    /// Use standard input and output, the only transport; accepted because clients pass it
     #[arg(long)]
     pub stdio: bool,
 }

@@ -26,14 +26,14 @@ use refdata::{Document, Forget, Generator, Subject, copy, produce, scene};
 /// Arguments of `shadercheck refdata generate`.
 #[derive(Args, Clone, Debug)]
 #[command(after_long_help = "\
-Expected outputs are real numbers, computed with some 100 bits and rounded once to binary64 (suites with a formula \
-that comes with shadercheck); what another shader means in binary64, or recorded values (suites that say so); or what \
-the shader itself means in binary64 (all others). The provenance tells which, and how exact that is. The same \
-arguments give the same bytes on every machine.
+Expected outputs are real numbers, computed with some 100 bits and rounded once to binary64, for suites with a \
+shipped formula; for suites with a reference or recorded values, the meaning of that shader in binary64, or \
+those values; for all others, the meaning of the shader itself in binary64. The provenance gives the source and \
+its accuracy. The same arguments give the same bytes on every machine.
 
-A shader stands for the suites beside it that are about it. Where there are none, each of its functions, or its \
-stage, is a data set of its own, with the inputs that `fuzz` gives it: from the domains that comments or --domain \
-state, or else of ordinary sizes.
+A shader stands for the suites beside it that are about it. If there are none, each of its functions, or its \
+stage, is a data set of its own, with inputs as in `fuzz`: from the domains that comments or --domain state, or \
+else of ordinary sizes.
 
 The page \"Reference data\" of the book (`docs/book/src/refdata.md`) describes the files.")]
 pub struct GenerateArgs {
@@ -43,31 +43,31 @@ pub struct GenerateArgs {
     /// Format of the files
     #[arg(long, value_enum, default_value_t = FormatArg::Npz)]
     pub format: FormatArg,
-    /// A file, a device or pipe, or a folder for files that are called as their suites are
+    /// A file, a device or pipe, or a folder for files with the names of their suites
     #[arg(long, short, value_name = "FILE|DIR")]
     pub output: PathBuf,
-    /// Samples of each suite; what the suite says without it, or 65536 for a shader without one
+    /// Samples per suite [default: from the suite; 65536 for a shader without one]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub samples: Option<u64>,
     /// Seed of the inputs: the same seed gives the same inputs everywhere
     #[arg(long, value_name = "S", default_value_t = DEFAULT_SEED)]
     pub seed: u64,
-    /// What bounds are derived from: a shipped profile by name, a file that `calibrate` wrote, or `none`. The default
-    /// is more than a promise of the API: it bounds what hardware gives where `vulkan-1.4` promises nothing
+    /// Profile for bounds: a shipped one by name, a file that `calibrate` wrote, or `none`. The default goes beyond the
+    /// promises of the API: it uses what hardware does where `vulkan-1.4` promises nothing
     #[arg(long, value_name = "NAME|FILE", default_value = "vulkan-practice")]
     pub profile: String,
-    /// Of shaders without a suite, only functions of this name; with the types of the parameters, one of several
+    /// For shaders without a suite: only functions of this name, or one overload by its types
     #[arg(long, value_name = "NAME")]
     pub function: Vec<String>,
-    /// Values that an input of a shader without a suite takes, as for `fuzz`: `x=[0,1]`, `n=normalised`
+    /// For shaders without a suite: values of an input, as for `fuzz`: `x=[0,1]`, `n=normalised`
     #[arg(long, value_name = "INPUT=DOMAIN", allow_hyphen_values = true)]
     pub domain: Vec<String>,
-    /// Folders that are searched for files that a shader without a suite includes
+    /// For shaders without a suite: folders to search for included files
     #[arg(short = 'I', long = "include", value_name = "FOLDER")]
     pub include: Vec<PathBuf>,
-    /// Write one part of the samples, I of N, counted from 0, to a file of its own in the folder; `auto`
-    /// takes I and N from the environment, as for `check`. A part that was stopped goes on when it is run
-    /// again; `shadercheck merge` joins the parts
+    /// Write one part of the samples, I of N, counted from 0, to a file of its own in the folder; `auto` takes I and N
+    /// from the environment, as for `check`. A part that was stopped continues when it is run again; `shadercheck
+    /// merge` joins the parts
     #[arg(long, value_name = "I/N|auto")]
     pub shard: Option<String>,
 }
@@ -75,7 +75,7 @@ pub struct GenerateArgs {
 /// Format of the files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum FormatArg {
-    /// Bits as texts with the decimals beside them
+    /// Bits as text, with decimals beside them
     Json,
     /// Arrays of NumPy
     Npz,
@@ -85,7 +85,7 @@ pub enum FormatArg {
     C,
     /// A table
     Csv,
-    /// A scene in glTF 2.0 of a formula that is geometry; samples are its vertices, about
+    /// A scene in glTF 2.0, for formulas that describe geometry; samples are the approximate number of vertices
     Glb,
 }
 

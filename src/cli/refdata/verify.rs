@@ -17,12 +17,12 @@ use refdata::verify::{self, Element, Report, Rule, StreamError};
 /// Arguments of `shadercheck refdata verify`.
 #[derive(Args, Clone, Debug)]
 #[command(after_long_help = "\
-Outputs are arrays or columns that are called as in the reference: `gl_Position`, or `gl_Position.x` and so \
-on; or a single array; or raw binary32 numbers, all words of the first sample, then those of the second. Rows \
-are matched with samples by a column `index`, or by the inputs (`input.NAME`, or NAME), or by their place.
+Outputs are arrays or columns with the names of the reference (`gl_Position`, or `gl_Position.x` and so on), a \
+single array, or raw binary32 numbers, all words of the first sample, then those of the second. Rows are matched \
+with samples by a column `index`, by inputs (`input.NAME`, or NAME), or by their place.
 
-Exit status: 0 everything that has a bound is within it, and few elements have none; 1 findings; 2 a file cannot be read, or does not \
-fit.")]
+Exit status: 0 every element with a bound is within it, and few elements have none; 1 findings; 2 a file cannot \
+be read, or does not fit.")]
 pub struct VerifyArgs {
     /// Reference file: json, npz, parquet or csv; or the folder with the parts that `--shard` wrote
     #[arg(value_name = "REF")]
@@ -30,22 +30,22 @@ pub struct VerifyArgs {
     /// Outputs to judge: npz, npy, parquet, csv, json, or raw binary32 numbers (raw, bin, f32)
     #[arg(value_name = "ACTUAL")]
     pub actual: PathBuf,
-    /// Every element has to be the nearest binary32 number, bit for bit
+    /// Require the nearest binary32 number for every element, bit for bit
     #[arg(long)]
     pub exact: bool,
-    /// Elements without a bound, in percent of all: with more of them, the comparison fails
+    /// Largest acceptable share of elements without a bound, in percent
     #[arg(long, value_name = "PERCENT", default_value_t = 100.0 * verify::MAX_UNBOUNDED, value_parser = percent)]
     pub max_unbounded: f64,
-    /// Format of ACTUAL, where its ending does not tell
+    /// Format of ACTUAL, if its extension does not give it
     #[arg(long, value_enum)]
     pub actual_format: Option<SourceArg>,
-    /// Order of the bytes of raw numbers
+    /// Byte order of raw numbers
     #[arg(long, value_enum, default_value_t)]
     pub byte_order: ByteOrderArg,
-    /// Write the verdict on every element to this table
+    /// Write the verdict on every element to this file
     #[arg(long, value_name = "FILE.csv")]
     pub verdicts: Option<PathBuf>,
-    /// How the result is printed
+    /// Format of the result
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }
@@ -59,7 +59,7 @@ fn percent(text: &str) -> Result<f64, String> {
 /// Format of outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum SourceArg {
-    /// Arrays of NumPy, one or an archive of them
+    /// An array of NumPy, or an archive of them
     Npz,
     /// Columns of Apache Parquet
     Parquet,
@@ -67,17 +67,17 @@ pub enum SourceArg {
     Csv,
     /// An object of lists
     Json,
-    /// binary32 numbers alone
+    /// Raw binary32 numbers
     Raw,
 }
 
 /// Order of the bytes of raw numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum ByteOrderArg {
-    /// The least significant first
+    /// Least significant byte first
     #[default]
     Little,
-    /// The most significant first
+    /// Most significant byte first
     Big,
 }
 

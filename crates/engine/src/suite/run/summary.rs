@@ -15,7 +15,7 @@ pub struct Summary {
     pub seed: u64,
     /// Lanes that were used.
     pub lanes: Vec<LaneUsed>,
-    /// Lanes that were wanted and could not be had, by name.
+    /// Lanes that were asked for and are unavailable, by name.
     pub unavailable: Vec<(&'static str, Unavailable)>,
     /// Lanes that were asked for by name: a run without one of them is incomplete.
     pub asked: Vec<String>,
