@@ -192,7 +192,6 @@ struct Session<'a> {
 }
 
 impl Session<'_> {
-    /// Writes a baseline.
     fn record(&mut self, path: &std::path::Path) -> anyhow::Result<ExitStatus> {
         let found = self.groups.run(&self.loaded.inputs);
         let count = Known::new(path, &self.loaded).write(&found)?;
@@ -200,7 +199,6 @@ impl Session<'_> {
         Ok(ExitStatus::Clean)
     }
 
-    /// Prints a patch.
     fn diff(&mut self) -> anyhow::Result<ExitStatus> {
         let found = self.groups.run(&self.loaded.inputs);
         let found = self.unknown(found)?;

@@ -216,7 +216,6 @@ fn a_release_is_downloaded_and_what_is_not_one_is_built() {
     }
 }
 
-/// Runs the script.
 fn script(folder: &Path, args: &[&str], variables: &[(&str, &str)]) -> Ran {
     let mut command = Command::new(root().join("deploy/plain/ci.sh"));
     for name in ["GITHUB_STEP_SUMMARY", "SUMMARY", "RUN", "ARGS", "LINT_ARGS", "REQUIRE", "FORMAT", "REPORTS"] {

@@ -48,7 +48,6 @@ pub(crate) struct Placed {
 }
 
 impl Module {
-    /// Reads a file.
     pub(crate) fn read(
         author: &SourceFile,
         defines: &[(String, String)],

@@ -33,7 +33,7 @@ pub struct Rule {
     pub level: Level,
     /// Its page of the manual.
     pub pages: Pages,
-    /// How it looks.
+    /// What the check looks at, and its function.
     pub(super) check: Check,
 }
 

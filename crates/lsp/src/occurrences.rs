@@ -27,9 +27,7 @@ pub(crate) enum Meaning {
 /// A name at a place.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Occurrence {
-    /// Its place.
     pub span: Span,
-    /// What it means.
     pub meaning: Meaning,
     /// True where it is declared.
     pub declares: bool,

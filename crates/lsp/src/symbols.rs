@@ -10,7 +10,6 @@ use syntax::wgsl::ModuleItem;
 use crate::unit::Unit;
 use crate::workspace::Workspace;
 
-/// A declaration.
 struct Declared {
     name: String,
     detail: String,

@@ -11,7 +11,6 @@ use syntax::ast::{
 pub(crate) struct Parts<'s> {
     /// Types as written, those of constructors included.
     pub types: Vec<&'s TypeSpecifier>,
-    /// Structures.
     pub structs: Vec<&'s StructSpecifier>,
     /// Declarations of variables, parameters not included.
     pub declarations: Vec<&'s Declaration>,
@@ -21,7 +20,6 @@ pub(crate) struct Parts<'s> {
     pub bodies: Vec<Span>,
 }
 
-/// Walks a tree.
 pub(crate) fn parts(shader: &Shader) -> Parts<'_> {
     let mut parts = Parts::default();
     for item in &shader.unit().items {

@@ -67,7 +67,6 @@ impl Workspace {
         self.linked.get_or_init(|| linked(&self.inputs, &self.config))
     }
 
-    /// All shaders.
     pub(crate) fn units(&self) -> &[Arc<Unit>] {
         self.units.get_or_init(|| {
             let of = |input: &Input| self.cache.units(input, &mut |wanted| self.included(wanted)).to_vec();

@@ -8,7 +8,7 @@ use crate::{Claim, Observed, Relation, Sample};
 pub enum Words {
     /// A point: four words, or three where the host feeds three and w is filled with 1.
     Point,
-    /// So many.
+    /// Exactly this number.
     Exactly(usize),
     /// A multiple of so many, and not zero: an array.
     Each(usize),

@@ -5,7 +5,7 @@ use super::types::Type;
 /// Whether the arguments of a constructor give what it needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fit {
-    /// They do.
+    /// They give exactly the components that it needs.
     Fits,
     /// The argument at this position, and all behind it, are left over.
     TooMany {

@@ -27,7 +27,6 @@ impl Sink {
         self.push(Diagnostic::new(code, Severity::Error, &file, span, message).with_label(label));
     }
 
-    /// Adds a diagnostic.
     pub(crate) fn push(&mut self, diagnostic: Diagnostic) {
         if self.list.len() < MOST {
             self.list.push(diagnostic);

@@ -15,7 +15,7 @@ use crate::cli::lint::{LevelName, LintArgs};
 pub(super) struct Options {
     /// Rules to run, as `lint` takes them.
     pub args: LintArgs,
-    /// Language of messages.
+    /// Language of messages; that of `shadercheck.toml` or of the environment if `None`.
     pub lang: Option<crate::cli::LangName>,
     /// Which inlay hints are shown.
     pub hints: Hints,

@@ -24,7 +24,6 @@ const LONGEST_SEARCH: Duration = Duration::from_secs(5);
 
 /// A workspace, read.
 pub(super) struct Project {
-    /// Its files.
     pub loaded: Loaded,
     /// Which configuration holds for which of them.
     pub groups: Groups,

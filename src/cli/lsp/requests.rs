@@ -39,7 +39,6 @@ pub(super) struct Context {
 
 type Answer = Result<Value, ResponseError>;
 
-/// Answers a request.
 pub(super) fn answer(method: &str, params: Value, context: &Context) -> Answer {
     let workspace = &context.workspace;
     match method {

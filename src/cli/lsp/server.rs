@@ -36,7 +36,6 @@ pub(super) struct Checked {
     revision: u64,
     /// The files; none for all of them.
     only: Option<BTreeSet<String>>,
-    /// What was found.
     found: Found,
     /// Which files belong together, where all were looked at.
     related: Option<HashMap<String, BTreeSet<String>>>,
@@ -52,14 +51,12 @@ enum Found {
     Failed,
 }
 
-/// An open document.
 struct Document {
     uri: Uri,
     version: i64,
     file: SourceFile,
 }
 
-/// The server.
 pub(super) struct Server {
     events: Sender<Event>,
     out: Sender<Outgoing>,

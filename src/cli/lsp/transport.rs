@@ -37,7 +37,6 @@ pub(super) fn read_all(input: &mut dyn BufRead, to: &Sender<Event>) {
     }
 }
 
-/// Reads one message.
 pub(super) fn read(input: &mut dyn BufRead) -> Incoming {
     let mut length: Option<u64> = None;
     loop {

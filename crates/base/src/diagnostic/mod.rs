@@ -87,7 +87,7 @@ pub struct Diagnostic {
     pub span: Span,
     /// What stands at the place, in a few words; shown beside the underlined text.
     pub label: Message,
-    /// Further places.
+    /// Other places that the message refers to, such as a declaration.
     pub related: Vec<Label>,
     /// Why it is wrong or what happens.
     pub why: Option<Message>,

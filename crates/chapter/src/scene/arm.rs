@@ -40,7 +40,6 @@ fn weights(point: [f32; 3], rule: Weights) -> [f32; 2] {
     [share, 1.0 - share]
 }
 
-/// The arm.
 pub(super) fn arm(buffer: &mut Buffer, grid: Grid, name: &str, rule: Weights) -> Value {
     let mut slim = unit();
     (slim[0], slim[10]) = (RADIUS, RADIUS);

@@ -68,7 +68,6 @@ pub(crate) fn modernise(file: &SourceFile, problems: &mut Problems) -> Current {
 
 /// A layout attribute that has to say what the language says anyway.
 struct Stride {
-    /// The attribute.
     span: Span,
     /// Bytes from one element to the next.
     bytes: u64,

@@ -92,7 +92,6 @@ pub(super) fn stated(text: &str) -> Value {
     value.unwrap_or_else(|| Value::from(text))
 }
 
-/// Evaluates expressions.
 pub(super) struct Engine(Environment<'static>);
 
 impl Default for Engine {

@@ -36,7 +36,6 @@ pub(super) struct Condition {
     pub negated: bool,
 }
 
-/// A loop.
 pub(super) struct Loop {
     pub names: Vec<String>,
     pub over: String,

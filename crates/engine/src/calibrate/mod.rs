@@ -54,7 +54,7 @@ pub enum CalibrateError {
     /// A probe gave what neither of its alternatives gives.
     #[error("the probe for {what} gave {found:e}, which is no result of any rule; the device computes wrongly")]
     Odd {
-        /// What was probed.
+        /// What was probed, such as `a product with a sum`.
         what: &'static str,
         /// What the device gave.
         found: f32,
@@ -62,7 +62,7 @@ pub enum CalibrateError {
     /// A state was made by another request.
     #[error("the saved state is of another run: {what}; remove it or leave out --resume")]
     OtherRun {
-        /// What differs.
+        /// Which parameter differs, and how.
         what: String,
     },
     /// The state could not be saved.

@@ -61,7 +61,7 @@ pub struct Request<'p> {
 pub struct Compared {
     /// Names of the two.
     pub functions: [String; 2],
-    /// Where they stand.
+    /// `name:line:column` of each.
     pub at: [String; 2],
     /// Why they are not compared.
     pub not_compared: Option<String>,

@@ -22,7 +22,7 @@ pub struct Pairing<'a> {
 pub struct Unpaired {
     /// Its name; with the types of its parameters where its text has several of that name.
     pub function: String,
-    /// Where it stands.
+    /// `name:line:column`.
     pub at: String,
     /// Why; `None` where the other text has no function of that name.
     pub why: Option<String>,

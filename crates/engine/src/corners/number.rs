@@ -20,7 +20,7 @@ pub enum Values {
 pub struct Case {
     /// Words of the arguments.
     pub arguments: Vec<u32>,
-    /// What is right.
+    /// The right values for these arguments.
     pub values: Values,
 }
 

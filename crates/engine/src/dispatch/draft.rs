@@ -40,7 +40,7 @@ struct Terms {
     along: [String; 3],
     /// Workgroups along each axis.
     groups: [String; 3],
-    /// All elements.
+    /// Number of all elements, as an expression.
     all: String,
     /// Sizes with their values; empty where everything is fixed.
     sizes: Vec<(&'static str, Vec<u32>)>,

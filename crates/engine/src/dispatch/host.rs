@@ -60,7 +60,7 @@ impl Contents {
         }
     }
 
-    /// In words.
+    /// What buffers hold, as a clause of a report.
     pub(super) fn told(self) -> &'static str {
         match self {
             Self::Signed => "buffers hold random numbers between -1 and 1",
@@ -98,7 +98,7 @@ pub(super) enum Measure {
     Along(usize),
     /// Workgroups.
     Groups,
-    /// 1.
+    /// The number 1, whatever is dispatched.
     One,
 }
 

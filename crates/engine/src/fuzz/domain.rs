@@ -78,7 +78,7 @@ pub struct Stated {
     /// Name of the input, of a structure whose members it holds for, or either with the name of the
     /// function and a point before it.
     pub input: String,
-    /// What holds.
+    /// Law that the input keeps.
     pub law: Law,
     /// Where it was said, for messages.
     pub at: String,
@@ -244,7 +244,7 @@ pub enum Standing {
 /// What the candidates of shrinking have to be, beside keeping all laws.
 #[derive(Clone, Copy)]
 pub enum Within<'a> {
-    /// Nothing else.
+    /// Any that keeps the laws.
     Laws,
     /// Of moderate size where nothing is stated.
     Moderate,
@@ -256,7 +256,7 @@ pub enum Within<'a> {
 pub struct Shrinking<'a> {
     /// The laws.
     pub domain: &'a Domain,
-    /// What else holds.
+    /// What candidates must be beside keeping the laws.
     pub within: Within<'a>,
 }
 

@@ -203,7 +203,7 @@ impl Part {
 /// One thing that was found.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Finding {
-    /// What it is.
+    /// Kind of the finding, which decides its name in reports.
     pub kind: FuzzFindingKind,
     /// How bad it is.
     pub severity: Severity,
@@ -291,7 +291,7 @@ pub struct LaneReport {
 pub struct FunctionReport {
     /// Name of the function.
     pub function: String,
-    /// Where it stands.
+    /// `name:line:column`.
     pub at: String,
     /// Samples that were looked at, of both parts.
     pub samples: u64,

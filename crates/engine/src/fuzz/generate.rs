@@ -262,7 +262,6 @@ impl Maker<'_> {
         }
     }
 
-    /// One number.
     fn real(&mut self, interval: Option<Interval>) -> f32 {
         if let Some(interval) = interval {
             return self.inside(interval);

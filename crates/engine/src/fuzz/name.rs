@@ -20,11 +20,11 @@ use super::finding::FuzzFindingKind;
 /// What is known about the trouble of one sample.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Named {
-    /// What it is.
+    /// Kind of the trouble.
     pub kind: FuzzFindingKind,
-    /// The operation.
+    /// The operation that brings it about; `None` for an output that was not written and the like.
     pub op: Option<Op>,
-    /// Where it stands.
+    /// The operation in the program.
     pub site: Option<Site>,
     /// Its arguments, exactly.
     pub args: Vec<f64>,

@@ -65,9 +65,9 @@ impl Ready {
 /// A comment that cannot be read, or names no input.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BadHint {
-    /// Where.
+    /// `name:line:column` of the comment.
     pub at: String,
-    /// What is wrong.
+    /// Why the comment cannot be read or used.
     pub why: String,
 }
 

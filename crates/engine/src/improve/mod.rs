@@ -81,7 +81,7 @@ pub struct Request<'p> {
 pub struct Lost {
     /// In the mean.
     pub mean: f64,
-    /// At worst.
+    /// At the worst point.
     pub worst: f64,
 }
 
@@ -123,7 +123,7 @@ pub struct Report {
 /// A share of points, one of them by names and values of its inputs, and bits lost there by the original and by another one.
 pub type Worse = (f64, Vec<(String, f32)>, [f64; 2]);
 
-/// Another formula.
+/// A formula that is proved to equal the expression, and loses fewer bits.
 #[derive(Clone, Debug)]
 pub struct Proposal {
     /// Its text.

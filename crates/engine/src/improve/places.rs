@@ -17,7 +17,7 @@ const LEAST_OPERATIONS: usize = 1;
 pub struct Place {
     /// Its bytes in the text of the shader.
     pub span: Span,
-    /// What it is.
+    /// The expression as a term of real numbers.
     pub term: Term,
     /// What the leaves of the term are.
     pub leaves: Vec<Leaf>,
@@ -34,7 +34,7 @@ pub struct Place {
 pub struct Known {
     /// What it means: with vectors of length 1 where the text has what binary32 made of them.
     pub meant: Term,
-    /// The others.
+    /// Terms that mean the same.
     pub others: Vec<Term>,
 }
 

@@ -35,7 +35,6 @@ enum Source {
     },
 }
 
-/// Draws points.
 pub(super) struct Drawer<'a> {
     ready: &'a Ready,
     domain: &'a Domain,

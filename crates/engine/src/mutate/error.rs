@@ -23,7 +23,7 @@ pub enum MutateError {
     Program {
         /// Name of the suite.
         suite: String,
-        /// Why.
+        /// Why it cannot be made.
         source: ProgramError,
     },
     /// The original does not pass its own suite, so that a failing mutant would say nothing.
@@ -33,7 +33,7 @@ pub enum MutateError {
     Original {
         /// Name of the suite.
         suite: String,
-        /// How it fails.
+        /// The first failure of the unchanged shader.
         why: String,
     },
     /// The lane failed on the original.
@@ -41,10 +41,10 @@ pub enum MutateError {
     Lane {
         /// Name of the suite.
         suite: String,
-        /// How.
+        /// How the lane failed.
         source: LaneError,
     },
-    /// Nothing was judged.
+    /// No sample was judged, so that no mutant could be killed.
     #[error("suite `{suite}`: none of {samples} samples was judged; widen the domain of its inputs")]
     Vacuous {
         /// Name of the suite.

@@ -62,7 +62,6 @@ struct MutantRun<'a> {
     seed: u64,
     /// Samples of a mutant that nothing kills.
     samples: u64,
-    /// The original.
     context: JudgeContext<'a>,
     layout: &'a OutputLayout,
     promises: &'a Promises,

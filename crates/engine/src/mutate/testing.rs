@@ -17,7 +17,6 @@ vec4 f(mat4 m, vec4 v, vec4 u, int n, bool b) {
   return m * v.xyzw - vec4(sin(v.x), -v.y, 3.0, 1.0);
 }";
 
-/// A vertex shader.
 pub(super) fn vertex(declarations: &str, body: &str) -> String {
     format!("{declarations}\nvoid main() {{\n{body}\n}}")
 }

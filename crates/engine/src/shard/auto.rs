@@ -30,7 +30,7 @@ pub enum AutoError {
         present: &'static str,
         /// The variable that is missing.
         missing: &'static str,
-        /// What to do.
+        /// Advice behind the message; may be empty.
         hint: &'static str,
     },
     /// A variable that is no number.
@@ -38,7 +38,7 @@ pub enum AutoError {
     NoNumber {
         /// The variable.
         name: &'static str,
-        /// What it holds.
+        /// Text of the variable.
         value: String,
     },
     /// The numbers of a Slurm array leave gaps.
@@ -49,9 +49,9 @@ pub enum AutoError {
     Gaps {
         /// Number of tasks.
         count: u64,
-        /// Smallest number.
+        /// Smallest number of a task.
         min: u64,
-        /// Largest number.
+        /// Largest number of a task.
         max: u64,
         /// Step between numbers.
         step: u64,
@@ -61,7 +61,7 @@ pub enum AutoError {
     Shard {
         /// Name of the job system, such as `Slurm`.
         system: &'static str,
-        /// Why not.
+        /// Why the two numbers are no shard.
         error: ShardError,
     },
 }

@@ -15,7 +15,7 @@ pub const SCHEMA_VERSION: u64 = 1;
 /// What makes two shards parts of one run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
-    /// The subcommand.
+    /// Name of the subcommand, such as `check`.
     pub command: String,
     /// Version of the tool.
     pub version: String,
@@ -31,7 +31,7 @@ pub struct Identity {
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("{what} is `{one}` in one and `{other}` in the other")]
 pub struct Mismatch {
-    /// What differs.
+    /// The part of the identity that differs, such as `the seed`.
     pub what: String,
     /// In the first.
     pub one: String,
@@ -85,12 +85,12 @@ pub enum Sort {
     Checkpoint,
 }
 
-/// What is sealed.
+/// A result or checkpoint with the run and the shards that it is of.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sealed<T> {
     /// A result or a checkpoint.
     pub sort: Sort,
-    /// The run.
+    /// The run that it is a part of.
     pub identity: Identity,
     /// Numbers of the shards that this is of, ascending.
     pub covers: Vec<u64>,
@@ -101,7 +101,7 @@ pub struct Sealed<T> {
 /// Why a text is no sealed one.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum SealError {
-    /// Something else.
+    /// The text does not begin with the schema.
     #[error("this is no result of a shard: it does not begin with the schema `{SCHEMA}`")]
     NotOne,
     /// Of another version of the format.

@@ -42,7 +42,6 @@ pub(super) enum Form {
     Textures,
 }
 
-/// A key.
 pub(super) struct Key {
     pub name: &'static str,
     pub form: Form,

@@ -6,7 +6,7 @@
 
 use super::program::{Language, Scalar, Type};
 
-/// A row.
+/// An operation that random programs use: a row of [`OPERATIONS`].
 #[derive(Debug)]
 pub struct Operation {
     /// Its name in reports; those of one meaning have one name in both languages.
@@ -89,7 +89,7 @@ impl Operation {
 pub enum Letter {
     /// N components.
     Many(Scalar),
-    /// So many.
+    /// A fixed number of components, whatever N is.
     Fixed(Scalar, u8),
     /// N columns and K rows.
     Matrix,

@@ -78,7 +78,7 @@ pub enum Type {
     Value(Scalar, u8),
     /// Columns and rows of binary32, 2 to 4 each.
     Matrix(u8, u8),
-    /// So many elements.
+    /// An array with this number of elements.
     Array(Box<Type>, u8),
     /// By its place in [`Program::structures`].
     Structure(usize),
@@ -194,7 +194,7 @@ impl Expression {
         self.parts_mut().into_iter().for_each(|part| part.each_mut(see));
     }
 
-    /// Nodes.
+    /// Number of nodes of its tree.
     pub fn size(&self) -> usize {
         1 + self.parts().into_iter().map(Self::size).sum::<usize>()
     }
@@ -224,7 +224,7 @@ pub enum Statement {
     Declare { id: u32, value: Expression },
     /// A place gets a value.
     Assign { place: Expression, value: Expression },
-    /// A branch.
+    /// Two lists of statements, of which the condition chooses one.
     If { condition: Expression, then: Vec<Self>, otherwise: Vec<Self> },
     /// A loop of so many rounds with a counter from 0.
     For { id: u32, rounds: u8, body: Vec<Self> },
@@ -343,7 +343,7 @@ pub struct Helper {
     pub result: Expression,
 }
 
-/// An input.
+/// An input of a program or a function.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Input {
     /// Its type: a number, a vector or a matrix.
@@ -363,9 +363,9 @@ pub struct Program {
     pub structures: Vec<Vec<Type>>,
     /// Its functions; each calls those before it alone.
     pub helpers: Vec<Helper>,
-    /// What it reads.
+    /// Inputs, uniforms included.
     pub inputs: Vec<Input>,
-    /// What it does.
+    /// Statements before the results.
     pub body: Vec<Statement>,
     /// What comes out: one of a function.
     pub results: Vec<Expression>,

@@ -47,7 +47,7 @@ impl Default for Asked {
 /// What lanes made of one program.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
-    /// What is wrong.
+    /// What lanes and translators did wrong; empty if nothing.
     pub events: Vec<Event>,
     /// Samples that agree, of all lanes.
     pub agreed: u64,

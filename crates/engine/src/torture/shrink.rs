@@ -341,7 +341,6 @@ fn inlined(program: &Program) -> Vec<Program> {
     all
 }
 
-/// Plainer literals.
 fn literals(program: &Program) -> Vec<Program> {
     let mut nodes: Vec<Expression> = Vec::new();
     program.clone().each_mut(&mut |e| nodes.push(e.clone()));

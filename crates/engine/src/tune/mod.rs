@@ -56,7 +56,7 @@ pub struct Request {
 /// An input that shows why a declaration must be `highp`.
 #[derive(Clone, Debug)]
 pub struct Shown {
-    /// What happens.
+    /// The operation that loses digits or the range, in a sentence.
     pub message: String,
     /// Where digits or the range are lost first.
     pub place: Option<Place>,
@@ -92,7 +92,7 @@ pub struct Row {
 pub struct Report {
     /// The function.
     pub function: String,
-    /// Where it stands.
+    /// `name:line:column`.
     pub at: String,
     /// Each input, type and name, with what is stated of it, or what it is taken for.
     pub inputs: Vec<(String, String)>,

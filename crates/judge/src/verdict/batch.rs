@@ -25,18 +25,18 @@ use program::lane::{Actual, interrupt};
 pub struct Failure {
     /// Its index in the batch.
     pub invocation: usize,
-    /// How it deviates.
+    /// The wrong output, and whose fault it is.
     pub deviation: Deviation,
 }
 
 /// Undetermined invocations with one reason and one place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Doubts {
-    /// Why.
+    /// Why they are undetermined.
     pub reason: Reason,
     /// The operation.
     pub op: Option<Op>,
-    /// Where it stands.
+    /// The operation in the program; `None` if no operation is the reason.
     pub site: Option<Site>,
     /// Arguments of the operation in the first of them.
     pub args: Vec<f64>,

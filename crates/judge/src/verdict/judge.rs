@@ -159,7 +159,7 @@ impl fmt::Display for Reason {
 /// Why a sample is inconclusive, and the operation that brings it about.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Doubt {
-    /// Why.
+    /// The reason, as reports count it.
     pub reason: Reason,
     /// The operation, where there is one to name.
     pub cause: Option<Cause>,
@@ -207,7 +207,7 @@ impl Blame {
 pub struct Deviation {
     /// Whose fault it is.
     pub blame: Blame,
-    /// What is wrong.
+    /// The output that is wrong, and how.
     pub what: What,
 }
 
@@ -225,9 +225,9 @@ pub enum What {
     },
     /// Another number of vertices.
     VertexCount {
-        /// What it should be.
+        /// Vertices that there should be.
         expected: usize,
-        /// What was emitted.
+        /// Vertices that there are.
         actual: u32,
     },
     /// A strip begins or goes on where it should not.

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 pub struct Effect {
     /// The component that moves farthest.
     pub component: String,
-    /// How far.
+    /// How far it moves.
     #[serde(with = "base::value::exact")]
     pub error: f64,
     /// The same in ULP of the largest component of the variable.

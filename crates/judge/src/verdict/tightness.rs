@@ -175,7 +175,6 @@ impl Gauge {
         }
     }
 
-    /// The figures.
     pub(super) fn read(self, profile: &str, record: &Record) -> Tightness {
         let variable = |(field, binades): (usize, BTreeMap<i64, Binade>)| {
             let words = binades.values().map(|binade| binade.words).sum();

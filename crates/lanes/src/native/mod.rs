@@ -165,7 +165,6 @@ impl Engine for Native {
     }
 }
 
-/// The translator.
 struct Glslang {
     translator: Translator,
     fault: fn(&[u32]) -> Vec<u32>,

@@ -55,7 +55,6 @@ trait Session {
     /// Invocations that fit into one run.
     fn capacity(&self) -> usize;
 
-    /// Runs it.
     fn run(&mut self, inputs: &Inputs<'_>) -> Result<Captured, LaneError>;
 }
 

@@ -32,7 +32,6 @@ pub const NAME: &str = "webgpu";
 /// Name of the program that runs the script.
 const NODE: &str = "node";
 
-/// The script.
 const PEER: &str = include_str!("peer.mjs");
 
 static FOLDER: OnceLock<Option<PathBuf>> = OnceLock::new();

@@ -58,7 +58,7 @@ pub struct Event {
     pub variable: usize,
     /// To which components.
     pub mask: u64,
-    /// Where.
+    /// Place in the text.
     pub span: Span,
     /// The expression, if it is one.
     pub expr: Option<ExprId>,
@@ -80,7 +80,7 @@ pub enum Kind {
     Write {
         /// True when all components of the mask get one.
         exact: bool,
-        /// How.
+        /// Whether an assignment, an initialiser or a call stores it.
         store: Store,
     },
     /// It becomes a copy of another variable.

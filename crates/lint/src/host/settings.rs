@@ -22,7 +22,7 @@ pub struct Setting<'a> {
     pub function: String,
     /// Place of its name.
     pub place: Span,
-    /// What it sets.
+    /// The types that the function sets.
     pub setter: Setter,
     /// The uniform.
     pub variable: &'a Variable,

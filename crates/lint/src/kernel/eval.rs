@@ -49,7 +49,6 @@ impl Walk<'_> {
         }
     }
 
-    /// Evaluates an expression.
     pub(super) fn eval(&mut self, id: ExprId) -> Value {
         if !self.step() {
             return Value::One(self.terms.fresh(Origin::default()));

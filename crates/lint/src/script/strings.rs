@@ -87,7 +87,6 @@ struct Chain {
     start: usize,
     /// Behind the last one.
     end: usize,
-    /// The strings.
     parts: Vec<usize>,
     /// What stands between them.
     between: &'static str,

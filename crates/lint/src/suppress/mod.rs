@@ -27,7 +27,6 @@ const MARK: &str = "shadercheck:";
 /// A comment that silences.
 #[derive(Clone, Debug)]
 pub(super) struct Order {
-    /// The comment.
     pub span: Span,
     /// What is deleted with it: the whole line, or the blanks before it.
     pub whole: Span,
@@ -42,9 +41,7 @@ pub(super) struct Order {
 /// A code in the list of a comment.
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
-    /// The code.
     pub code: &'static str,
-    /// Its place.
     pub span: Span,
     /// True when it silenced a finding.
     pub used: bool,
@@ -55,7 +52,6 @@ pub(super) struct Entry {
 /// Comments of a file.
 #[derive(Clone, Debug)]
 pub(super) struct Comments {
-    /// The file.
     pub file: SourceFile,
     /// Those that silence.
     pub orders: Vec<Order>,

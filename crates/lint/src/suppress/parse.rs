@@ -10,9 +10,8 @@ use super::{Entry, MARK};
 /// What is wrong with a comment that should silence.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Fault {
-    /// Where.
+    /// Place of the part of the comment that is wrong.
     pub span: Span,
-    /// What.
     pub cause: Cause,
 }
 

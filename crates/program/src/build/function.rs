@@ -18,7 +18,6 @@ use syntax::types::{ScalarType, Type};
 /// A value with its type.
 #[derive(Clone, Debug)]
 pub(super) struct Val {
-    /// The expression.
     pub e: Expr,
     /// Its type in GLSL.
     pub ty: Type,
@@ -42,7 +41,6 @@ pub(super) struct Fun<'b, 's> {
     pub stops: bool,
     /// In the step of a loop, which cannot return.
     pub in_step: bool,
-    /// In a loop.
     pub in_loop: bool,
     /// Derivatives that it comes to.
     pub sites: u32,

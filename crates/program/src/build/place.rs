@@ -29,7 +29,6 @@ pub(super) enum Var {
 /// A place in memory.
 #[derive(Clone, Debug)]
 pub(super) struct Place {
-    /// The pointer.
     pub ptr: Expr,
     /// Type of the value in GLSL, with the swizzle taken.
     pub ty: Type,
@@ -188,7 +187,6 @@ impl Fun<'_, '_> {
         self.shader.fold(index)?.as_integer().and_then(|n| u32::try_from(n).ok())
     }
 
-    /// Reads a place.
     pub(super) fn load(&mut self, place: &Place) -> Result<Val> {
         if let Some(parts) = self.parts_with_atomics(place)? {
             let ty = self.ty(&place.ty)?;

@@ -42,7 +42,6 @@ pub(super) fn size(n: u8) -> VectorSize {
 }
 
 impl Build<'_> {
-    /// Adds a type.
     pub(super) fn insert(&mut self, name: Option<String>, inner: TypeInner) -> Handle<NagaType> {
         self.module.types.insert(NagaType { name, inner }, naga::Span::UNDEFINED)
     }

@@ -20,9 +20,9 @@ use base::value::{Batch, Scalar};
 /// An operation whose value is undefined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Undefined {
-    /// Why.
+    /// Which rule makes it undefined.
     pub kind: HazardKind,
-    /// Where.
+    /// The operation in the program.
     pub site: Site,
     /// The function, for [`HazardKind::Argument`].
     pub what: Option<Guarded>,

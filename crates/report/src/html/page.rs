@@ -14,7 +14,6 @@ const SCRIPTS: [&str; 4] =
 /// Nothing outside of the page is ever asked for.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:";
 
-/// The whole page.
 pub(super) fn page(page: &Page<'_>) -> String {
     let status = match page.summary.status() {
         Status::Pass => "passed",

@@ -228,7 +228,7 @@ impl fmt::Display for BuiltinFunction {
     }
 }
 
-/// Functions by name.
+/// Overloads by the name of the function.
 pub(super) type Table = HashMap<&'static str, Vec<Signature>>;
 
 fn table() -> &'static Table {

@@ -7,7 +7,6 @@ use super::super::ast::Qualifiers;
 use super::super::types::{ArraySize, ScalarType, StructField, StructType, Type};
 use base::text::Span;
 
-/// A built-in variable.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Builtin {
     pub ty: Type,

@@ -513,7 +513,6 @@ pub(super) fn has_array(ty: &Type) -> bool {
     }
 }
 
-/// Adds a suggestion.
 pub(super) fn with_near(diagnostic: Diagnostic, near: Option<String>) -> Diagnostic {
     match near {
         Some(near) => diagnostic.with_help(format!("did you mean `{near}`?")),

@@ -45,7 +45,6 @@ pub(crate) struct Parser<'a> {
     prototypes: Vec<super::ast::Item>,
 }
 
-/// Reads all tokens.
 pub(crate) fn parse(tokens: Vec<Tok>, language: &Language, sink: &mut Sink) -> (Unit, Arena) {
     let file = sink.file.clone();
     let end = Tok::end(tokens.last().map_or(file.text().len(), |t| t.span.end));

@@ -174,7 +174,6 @@ impl Words {
         rows.any(|(desktop, es)| inside(if self.language.es() { *es } else { *desktop })) && !self.keyword(word)
     }
 
-    /// The language.
     pub(crate) fn language(&self) -> &Language {
         &self.language
     }

@@ -72,7 +72,6 @@ impl Tok {
     }
 }
 
-/// A macro.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Macro {
     /// Names of the parameters; none for an object-like macro.
@@ -86,7 +85,6 @@ pub(crate) struct Macro {
 /// Arguments of a macro call and its place.
 type Call = (Vec<Vec<Tok>>, Span);
 
-/// Macros by name.
 pub(crate) type Macros = HashMap<String, Macro>;
 
 /// More tokens than any real shader has: a bomb of macros that double.

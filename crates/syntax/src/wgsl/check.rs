@@ -59,7 +59,7 @@ pub(super) struct Checker<'a> {
     pub(super) is_abstract: Vec<bool>,
     pub(super) abstract_symbols: HashSet<SymbolId>,
     pub(super) scopes: Vec<HashMap<String, Entry>>,
-    /// Items by name.
+    /// Index of each item by its name.
     named: HashMap<&'a str, usize>,
     resolved: HashMap<usize, Option<Entry>>,
     /// Expressions and declarations inside of one another.
@@ -82,7 +82,6 @@ fn name_of(item: &ModuleItem) -> &Ident {
     }
 }
 
-/// Checks a module.
 pub(super) fn check(unit: &Unit, parts: Checker<'_>) -> Found {
     let mut checker = parts;
     for index in 0..checker.items.len() {

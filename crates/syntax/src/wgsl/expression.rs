@@ -63,7 +63,7 @@ fn may_stand(outer: BinaryOp, inner: BinaryOp, left: bool) -> bool {
 }
 
 impl Parser<'_> {
-    /// An expression.
+    /// Reads an expression with all of its operators.
     pub(super) fn expression(&mut self) -> Read<ExprId> {
         self.deeper(|p| p.level(0))
     }

@@ -107,7 +107,6 @@ pub fn tokens(text: &str) -> Vec<Token> {
     lexer::read(text).all
 }
 
-/// Reads a module.
 pub(super) fn read(file: &SourceFile) -> super::Parsed {
     let mut sink = Sink::new(file);
     let pieces = lexer::read(file.text());

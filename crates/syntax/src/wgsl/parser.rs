@@ -458,7 +458,7 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// A type.
+    /// Reads a type with its parameters.
     pub(super) fn ty(&mut self) -> Read<TypeSyntax> {
         self.deeper(|p| {
             let name = p.ident()?;

@@ -24,7 +24,7 @@ const LOST: f64 = 1.0 / 32.0;
 /// What lower precision did to a value that is fine in binary32.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Harm {
-    /// Too large.
+    /// The value is beyond the range of the lower precision.
     Overflow,
     /// Not 0, and taken for 0.
     Underflow,
@@ -35,7 +35,7 @@ pub enum Harm {
 /// The first time that something happened to a slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
-    /// Where.
+    /// The operation in the program.
     pub site: Site,
     /// What is computed there: a name as in the text.
     pub op: &'static str,

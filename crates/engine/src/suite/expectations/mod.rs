@@ -54,7 +54,6 @@ struct Expected {
     ran: Cell<bool>,
 }
 
-/// What fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum FailureKind {
     Finding(FindingKind),

@@ -114,7 +114,6 @@ fn arrays(bytes: &[u8]) -> Result<Vec<Array>, Vec<String>> {
     if wrong.is_empty() { Ok(all) } else { Err(wrong) }
 }
 
-/// One array.
 fn array(name: &str, content: &[u8]) -> Result<Array, String> {
     let mut rest = content;
     let header = NpyHeader::from_reader(&mut rest).map_err(|error| format!("cannot be read: {error}"))?;

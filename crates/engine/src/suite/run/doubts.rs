@@ -13,7 +13,7 @@ use program::interp::author_span;
 /// Undetermined samples with one reason and one place.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Doubtful {
-    /// Why.
+    /// Why they are undetermined.
     pub reason: Reason,
     /// Name of the operation, as profiles list it.
     pub op: Option<Op>,

@@ -86,7 +86,7 @@ pub struct Behaviour {
     /// By which stage's rules it flushes subnormal numbers. In the vertex stage it flushes whatever it
     /// may, in the compute stage some.
     pub stage: Stage,
-    /// How it errs.
+    /// Which error it takes where the profile leaves it a choice.
     pub strategy: Strategy,
     /// Whether it regroups sums and products.
     pub rearranges: bool,
@@ -129,7 +129,7 @@ impl Behaviour {
 pub struct Violation {
     /// Name of the suite.
     pub suite: String,
-    /// What ran.
+    /// The simulated device that was accused.
     pub behaviour: Behaviour,
     /// Seed of the lane.
     pub seed: u64,

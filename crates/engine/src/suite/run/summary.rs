@@ -170,7 +170,7 @@ pub fn settle(entries: &mut [Entry], parts: Vec<Part>) {
 /// What came of a suite.
 #[derive(Debug)]
 pub enum Outcome {
-    /// It ran.
+    /// It ran; the report says with which verdicts.
     Ran(Box<Report>),
     /// It could not be run: the shader does not compile, or suite and shader do not fit.
     Refused(RunError),
@@ -178,7 +178,7 @@ pub enum Outcome {
     LaneFailed(String),
     /// The lane failed, as expected.
     KnownFailure {
-        /// How it failed.
+        /// Message of the failure.
         message: String,
         /// What expects it.
         expectation: Expectation,

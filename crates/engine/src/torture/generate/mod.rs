@@ -120,7 +120,6 @@ impl Maker {
         Type::Value(scalar, 1 + self.stream.below(4) as u8)
     }
 
-    /// Any type.
     fn any(&mut self) -> Type {
         match self.stream.below(12) {
             0 => self.matrix(),

@@ -48,9 +48,9 @@ const ROUNDS: u64 = 1 << 16;
 /// What became of a question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reached {
-    /// Where it stands.
+    /// The comparison or function in the program.
     pub site: Site,
-    /// What is asked.
+    /// The question that it asks of its arguments.
     pub question: Question,
     /// One bit for each of [`Question::classes`]: whether some sample was of this class.
     pub met: u16,

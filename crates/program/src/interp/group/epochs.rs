@@ -29,7 +29,7 @@ impl Epochs {
         self.count
     }
 
-    /// A barrier.
+    /// Counts a barrier, and notes the memories that it and fences beside it order.
     pub(super) fn pass(&mut self, orders: Barrier) {
         self.count += 1;
         for (k, kind) in KINDS.into_iter().enumerate() {

@@ -61,16 +61,16 @@ pub struct Party {
     pub group: u32,
     /// Number of the invocation in it, counted along x first.
     pub local: u32,
-    /// What it did.
+    /// Whether it loaded, stored, or used an atomic function.
     pub access: Access,
-    /// Where.
+    /// The instruction in the program.
     pub site: Site,
 }
 
 /// A place at which something is wrong, with the first time that it was.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Incident {
-    /// What.
+    /// Kind of the fault.
     pub what: Wrong,
     /// The memory; of a barrier, none.
     pub memory: Option<u32>,
@@ -82,7 +82,7 @@ pub struct Incident {
     pub who: Party,
     /// The other one that touched the same word; of a barrier, one that reaches it.
     pub other: Option<Party>,
-    /// How often.
+    /// Number of times that it happened.
     pub count: u64,
 }
 
@@ -100,11 +100,11 @@ impl Incident {
 /// How many barriers an invocation is behind.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct Epoch {
-    /// Of its workgroup.
+    /// Barriers of its workgroup.
     pub barriers: u32,
-    /// Its subgroup.
+    /// Number of its subgroup.
     pub subgroup: u32,
-    /// Those of its subgroup.
+    /// Barriers of its subgroup.
     pub within: u32,
 }
 
@@ -133,7 +133,6 @@ struct History {
     reads: [Option<Touched>; 2],
 }
 
-/// One memory.
 pub(super) struct Contents<D: InMemory> {
     pub space: Space,
     /// Words as bits.

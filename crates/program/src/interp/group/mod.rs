@@ -243,7 +243,6 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
         self.work > 0 && !interrupt::asked()
     }
 
-    /// Runs one workgroup.
     fn run(&mut self, number: u32) {
         self.number = number;
         self.epochs = Epochs::default();

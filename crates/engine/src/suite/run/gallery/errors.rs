@@ -33,7 +33,6 @@ pub struct Errors {
 }
 
 impl Errors {
-    /// Counts a sample.
     pub(super) fn add(&mut self, closeup: &Closeup, record: &Record) {
         let part = match closeup.verdict {
             Verdict::Agree(_) => 0,

@@ -45,11 +45,11 @@ pub struct Scene {
 /// One side of the grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// What changes.
+    /// Name of the input, or of its component, that changes along this side.
     pub name: String,
     /// Its ends; whole numbers count what has no value.
     pub range: [f64; 2],
-    /// Places.
+    /// Number of places along this side.
     pub count: usize,
 }
 
