@@ -1,7 +1,4 @@
 //! Host code: the syntax tree of C and C++, what other languages do with shaders, and the rules on both.
-//!
-//! Trees are made on demand: most files of a project cannot feed a shader, which their words show, and parsing them
-//! would take most of the time and memory of a run.
 
 mod around;
 mod attach;
