@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use super::compose::Given;
 use super::hosts::Hosts;
-use base::diagnostic::{Diagnostic, Severity};
-use base::text::{Assembly, Shown as _, SourceFile, Span};
+use base::diagnostic::Diagnostic;
+use base::text::{Shown as _, SourceFile};
 use compose::LeftOut;
 use engine::fuzz::{Completed, macro_name};
 use engine::suite::{Includes, Joined, read_module};
@@ -104,14 +104,11 @@ impl IncludedText {
         crate::cli::translate::read(&super::document::file_of(&self.path))
     }
 
-    /// The shader. A library that names no version is written for whatever the shaders that it is put
-    /// into say: the newest version is taken, unless only the oldest has what it uses. A stage that names none and states
-    /// precisions is GLSL ES 1.00, as browsers take it; a compute shader is of the first version that has what it uses.
+    /// The shader; one that names no version under one that has what it uses.
     pub fn parsed(&self, defines: &[(String, String)]) -> Parsed {
         let all: Vec<(String, String)> = defines.iter().cloned().chain(self.completed.macros()).collect();
         let defines = &all[..];
         let parsed = Shader::parse_with(&self.file, self.stage, defines);
-        let errors = |p: &Parsed| p.diagnostics.iter().filter(|d| d.severity == Severity::Error).count();
         if parsed.shader.version().span.is_some() {
             return parsed;
         }
@@ -119,24 +116,8 @@ impl IncludedText {
         if let Some(es) = lint::es_reading(&parsed.shader) {
             return es;
         }
-        let lines: &[&str] = match self.stage {
-            Stage::Library => &["#version 460\n"],
-            _ if parsed.shader.has_precisions() && errors(&parsed) > 0 => &["#version 100\n"],
-            Stage::Compute if errors(&parsed) > 0 => &["#version 430\n", "#version 450\n", "#version 460\n"],
-            _ => return parsed,
-        };
-        let behind = |line: &&str| {
-            let mut stated = Assembly::new();
-            stated.insert(line, &self.file, 0);
-            stated.copy(&self.file, Span::new(0, self.file.text().len()));
-            Shader::parse_with(&stated.finish(self.file.name()), self.stage, defines)
-        };
-        // Of those with the fewest errors, the oldest.
-        let stated = lines.iter().map(behind).min_by_key(|stated| errors(stated));
-        match stated {
-            Some(stated) if errors(&stated) == 0 || errors(&parsed) > 0 => stated,
-            _ => parsed,
-        }
+        let fitted = syntax::fitting(&self.file, self.stage, defines, || None);
+        if fitted == self.file { parsed } else { Shader::parse_with(&fitted, self.stage, defines) }
     }
 
     /// What to tell of the version that is taken for a text which names none: a compute shader, or one that asks for OpenGL ES.

@@ -34,7 +34,6 @@ mod suppress;
 mod tests;
 mod uniformity;
 mod variants;
-mod version;
 mod wgsl;
 
 pub use composed::{Composed, Composer};
@@ -199,8 +198,11 @@ fn leave_doubtful_to_strict(project: &Project, told: &mut [(Level, Diagnostic)])
     let mut in_front: Option<HashSet<String>> = None;
     let supplied = open::supplied(project);
     let marks = open::marks(project);
-    let rewritten: HashSet<&str> =
-        project.shaders().filter(|s| marks.are_in(&s.front_end)).map(|s| s.file.name()).collect();
+    let rewritten: HashSet<&str> = project
+        .shaders()
+        .filter(|s| marks.are_in(s.front_end.iter().chain(&s.on_request)))
+        .map(|s| s.file.name())
+        .collect();
     for (level, error) in told.iter_mut().filter(|(level, _)| *level == Level::Default) {
         let Some(shader) = shaders.get(error.file.name()) else { continue };
         let mut may_be_in_front = || {
@@ -224,7 +226,7 @@ fn front_end_level(project: &Project, shader: &ShaderFile, error: &Diagnostic) -
     let count = |text: &str| text.matches(name).count();
     let beside = || project.hosts().any(|h| count(h.file.text()) > count(error.file.text()));
     let of_macro = open::rests(error).contains(Around::NAMES | Around::VALUES) && syntax::is_macro(name);
-    if of_macro && (shader.origin.is_none() || beside()) && !open::is_slip(&shader.shader, name) {
+    if of_macro && (shader.origin.is_none() || beside()) && !open::is_slip_of_macro(&shader.shader, name) {
         Level::Strict
     } else {
         Level::Default

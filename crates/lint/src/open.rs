@@ -9,7 +9,7 @@ mod tests;
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 
-use base::diagnostic::{Code, Diagnostic};
+use base::diagnostic::Diagnostic;
 use base::text::SourceFile;
 use syntax::ast::ItemKind;
 use syntax::errors::Around;
@@ -94,11 +94,11 @@ impl Surroundings<'_> {
     fn rests(&self, error: &Diagnostic) -> Around {
         let file = self.shader.file();
         let mut rests = rests(error);
-        // A slip comes with what was meant, and is one where nothing but the version is stated elsewhere.
-        if is_name(error.code) && error.help.is_some() && !self.open.contains(Around::ENABLED) {
+        // Where more than the version is stated elsewhere, so may a name be.
+        if is_slip(error) && !self.open.contains(Around::ENABLED) {
             rests.remove(Around::NAMES);
         }
-        if is_name(error.code) || !self.is_at_macro(error) {
+        if errors::is_name(error.code) || !self.is_at_macro(error) {
             rests.remove(Around::VALUES);
         }
         // Several texts are one stage, and one of them has its `main`.
@@ -132,7 +132,7 @@ pub fn rests(error: &Diagnostic) -> Around {
     let mut rests = errors::rests_on(error.code);
     let word = error.file.slice(error.span);
     // No text declares names of the language: versions have them, and stages.
-    if is_name(error.code) && (word.starts_with("gl_") || BuiltinFunction::from_name(word).is_some()) {
+    if errors::is_name(error.code) && (word.starts_with("gl_") || BuiltinFunction::from_name(word).is_some()) {
         rests = Around::STAGE | Around::TYPES;
     }
     // Another name is meant.
@@ -146,9 +146,16 @@ pub fn rests(error: &Diagnostic) -> Around {
     rests
 }
 
-/// True for an error about a name that nothing declares.
-pub fn is_name(code: Code) -> bool {
-    errors::rests_on(code).contains(Around::NAMES | Around::VALUES)
+/// True for a name that comes with another, which was meant. What the text has in quotes as well, in a comment or in data in
+/// front, is known to its host by that name.
+pub fn is_slip(error: &Diagnostic) -> bool {
+    let quoted = || error.file.text().contains(&format!("\"{}\"", error.file.slice(error.span)));
+    errors::is_name(error.code) && error.help.is_some() && !quoted()
+}
+
+/// True for an error that is none where a name stands for something else: another function, or one more of them.
+pub fn is_of_another(error: &Diagnostic) -> bool {
+    [errors::NO_OVERLOAD, errors::REDEFINITION].contains(&error.code)
 }
 
 /// True for an error about types in a line with a macro that an `#ifdef` of the text asks for: whoever defines it says what it stands for,
@@ -211,7 +218,7 @@ pub fn is_raw_string_file(text: &str) -> bool {
 }
 
 /// True for a macro that nothing defines where the text defines one with nearly its name.
-pub fn is_slip(shader: &Shader, name: &str) -> bool {
+pub fn is_slip_of_macro(shader: &Shader, name: &str) -> bool {
     base::nearest(name, Conditions::of(shader).defined.iter().map(String::as_str)).is_some()
 }
 
@@ -326,7 +333,7 @@ fn written(line: &str) -> Option<&str> {
 
 /// True for an error that is about a name, or at a macro: something in front may declare it.
 pub fn is_about_a_name(error: &Diagnostic) -> bool {
-    is_name(error.code) || (error.code == errors::SYNTAX && is_macro(error.file.slice(error.span)))
+    errors::is_name(error.code) || (error.code == errors::SYNTAX && is_macro(error.file.slice(error.span)))
 }
 
 /// Names that hosts supply, as texts show that lack the same ones.
@@ -342,7 +349,7 @@ const MISSING_NAMES: usize = 2;
 pub fn supplied(project: &Project) -> Supplied {
     let mut missing: HashMap<&str, HashSet<&str>> = HashMap::new();
     for shader in project.shaders() {
-        for error in shader.front_end.iter().filter(|d| is_name(d.code) && d.help.is_none()) {
+        for error in shader.front_end.iter().filter(|d| errors::is_name(d.code) && d.help.is_none()) {
             missing.entry(error.file.slice(error.span)).or_default().insert(error.file.text());
         }
     }
@@ -352,7 +359,7 @@ pub fn supplied(project: &Project) -> Supplied {
 impl Supplied {
     /// True for an error that goes away when the host supplies a name.
     pub fn may_be(&self, error: &Diagnostic) -> bool {
-        self.0 && is_name(error.code) && error.help.is_none()
+        self.0 && errors::is_name(error.code) && error.help.is_none()
     }
 }
 
@@ -375,8 +382,8 @@ pub fn marks(project: &Project) -> Marks<'_> {
 
 impl Marks<'_> {
     /// True for a text with such a mark: nothing of it says what is wrong in GLSL.
-    pub fn are_in(&self, found: &[Diagnostic]) -> bool {
-        !self.0.is_empty() && found.iter().any(|error| mark(error).is_some_and(|mark| self.0.contains(mark)))
+    pub fn are_in<'d>(&self, mut found: impl Iterator<Item = &'d Diagnostic>) -> bool {
+        !self.0.is_empty() && found.any(|error| mark(error).is_some_and(|mark| self.0.contains(mark)))
     }
 }
 

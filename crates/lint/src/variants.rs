@@ -42,7 +42,11 @@ pub fn errors(shader: &Shader) -> Vec<(bool, Diagnostic)> {
             let own = error.code == errors::SYNTAX && defines.iter().any(|(macro_name, _)| macro_name == name);
             let unsure = open::is_of_unknown_value(&parsed.shader, &asked, error);
             let certain = own
-                || (!many && whole && !open::rests(error).difference(Around::VALUES).intersects(outside) && !unsure);
+                || (!many
+                    && whole
+                    && !open::rests(error).difference(Around::VALUES).intersects(outside)
+                    && !unsure
+                    && !open::is_of_another(error));
             let unknown = error.code == errors::UNKNOWN_NAME && !syntax::is_macro(name);
             let of_types = !errors::rests_on(error.code).intersects(!(Around::TYPES | Around::VALUES));
             let on_request = !many && (unknown || of_types);

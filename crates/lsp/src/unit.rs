@@ -103,7 +103,7 @@ impl Text {
     fn read(self) -> Unit {
         let parsed = match self.stage {
             None => Shader::parse_wgsl(&self.file),
-            Some(stage) => Shader::parse(&self.file, stage),
+            Some(stage) => Shader::parse_fitting(&self.file, stage, &[], false),
         };
         Unit::new(&self.name, &self.file, self.from, parsed)
     }

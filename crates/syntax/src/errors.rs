@@ -103,7 +103,7 @@ errors! {
     FRAGMENT = "E074" [NOTHING] "a text that is one part of several: a name is declared neither in it nor in what it imports";
     IMPORTED_TWICE = "E075" [NOTHING] "a name that is imported twice, or imported and declared";
     EARLY_DRAFT = "E076" [NOTHING] "a text in an early draft of WGSL, or what only such drafts have";
-    OTHER_LANGUAGE = "E077" [NOTHING] "a text in another language than the one that it is read as";
+    OTHER_LANGUAGE = "E077" [GRAMMAR | WHOLE] "a text in another language than the one that it is read as";
 }
 
 errors! {
@@ -141,6 +141,11 @@ pub fn all() -> impl ExactSizeIterator<Item = (Code, &'static str)> {
 /// True for an error of characters, directives and the grammar: what stands behind it may be read otherwise than it is meant.
 pub fn is_of_the_text(code: Code) -> bool {
     matches!(code.0.get(..3), Some("E00" | "E01"))
+}
+
+/// True for an error about a name that nothing declares.
+pub fn is_name(code: Code) -> bool {
+    rests_on(code).contains(Around::NAMES | Around::VALUES)
 }
 
 /// What the surroundings of a text may decide about an error of the front end; nothing for other codes.

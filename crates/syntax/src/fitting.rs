@@ -1,24 +1,50 @@
 //! A version for a text that states none.
 
-use super::{Parsed, Profile, Shader, Stage, Version};
+use super::{Parsed, Profile, Shader, Stage, Version, errors};
 use base::diagnostic::Severity;
 use base::text::{Assembly, SourceFile, Span};
 
-/// Versions that are tried, the oldest of each profile first.
-const TRIED: [(u32, Profile); 9] = [
+/// What a host may state in front of a text, the oldest of what it may use first.
+const STATED: [(u32, Profile); 9] = [
+    (100, Profile::Es),
     (120, Profile::Compatibility),
     (130, Profile::Compatibility),
     (150, Profile::Core),
     (330, Profile::Core),
+    (300, Profile::Es),
     (430, Profile::Core),
-    (460, Profile::Core),
-    (460, Profile::Compatibility),
-    (100, Profile::Es),
     (310, Profile::Es),
+    (460, Profile::Compatibility),
 ];
 
-/// The text under the version that fits: as it is where it states one, or is in order as GLSL 1.10, which it is without
-/// one; else under `first`, or the first of those that are tried, with the fewest errors.
+impl Shader {
+    /// Reads a text as its host is taken to compile it. One without `#version` is GLSL 1.10, unless it uses what came later
+    /// and a host that puts another version in front of it leaves fewer errors: then it is read as such, and names may be
+    /// declared in front as well. A host that knows OpenGL ES alone states its versions, where `es` says so.
+    pub fn parse_fitting(file: &SourceFile, stage: Stage, defines: &[(String, String)], es: bool) -> Parsed {
+        let oldest = || Version { number: 100, profile: Profile::Es, span: None };
+        let es = es && !file.text().contains("#version");
+        let plain = Self::read(file, stage, defines, es.then(oldest));
+        let later = [errors::NEEDS_VERSION, errors::EXTENSION, errors::FLOAT_SUFFIX];
+        if plain.shader.version().span.is_some() || !plain.diagnostics.iter().any(|d| later.contains(&d.code)) {
+            return plain;
+        }
+        // Names that are not declared say nothing about the version.
+        let weight = |p: &Parsed| p.diagnostics.iter().filter(|d| !errors::is_name(d.code)).count();
+        let mut best = plain;
+        for (number, profile) in STATED.into_iter().filter(|(_, profile)| !es || *profile == Profile::Es) {
+            let parsed = Self::read(file, stage, defines, Some(Version { number, profile, span: None }));
+            if weight(&parsed) < weight(&best) {
+                best = parsed;
+            }
+        }
+        best
+    }
+}
+
+/// The text under a version in which it is in order, for whoever compiles it: as it is where it states one, or is in order
+/// as GLSL 1.10, which it is without one; else under `first`, under that which it is read as, or under the first that a host
+/// may state, with the fewest errors.
 pub fn fitting(
     file: &SourceFile,
     stage: Stage,
@@ -30,12 +56,13 @@ pub fn fitting(
     if plain.shader.version().span.is_some() || errors(&plain) == 0 {
         return file.clone();
     }
+    let read = Shader::parse_fitting(file, stage, defines, false).shader.version().clone();
     let (mut best, mut least) = (file.clone(), errors(&plain));
-    let tried = TRIED.map(|(number, profile)| Version { number, profile, span: None });
+    let tried = STATED.map(|(number, profile)| Version { number, profile, span: None });
     // No earlier version has compute stages.
     let computes = |v: &Version| v.number >= if v.profile == Profile::Es { 310 } else { 430 };
     let fits = |v: &Version| stage != Stage::Compute || computes(v);
-    for version in first().into_iter().chain(tried).filter(fits) {
+    for version in first().into_iter().chain([read]).chain(tried).filter(fits) {
         let text = stated(&plain.shader, &version);
         let found = errors(&Shader::parse_with(&text, stage, defines));
         if found < least {
@@ -107,5 +134,58 @@ mod tests {
         // What it does not have is no reason to take it.
         let text = "layout(location = 0) in vec4 p; void main() { gl_Position = p; }";
         assert_eq!(version(text, Stage::Vertex, Some((150, Profile::Core))), "#version 330");
+    }
+
+    fn reported(stage: Stage, text: &str) -> Vec<String> {
+        let parsed = Shader::parse_fitting(&SourceFile::new("a", text), stage, &[], false);
+        parsed.diagnostics.iter().map(|d| format!("{} {}", d.code, d.message)).collect()
+    }
+
+    #[test]
+    fn a_version_that_the_host_puts_in_front_is_found_out() {
+        let modern = "in vec3 n;\nout vec4 c;\nuniform sampler2D t;\n\
+            void main() { float h = 1.0f; h += 1; c = texture(t, n.xy) * h * TINT; }\n";
+        assert_eq!(reported(Stage::Fragment, modern), [""; 0]);
+        let embedded =
+            "precision mediump float;\nvarying vec2 uv;\nvoid main() { gl_FragColor = vec4(uv, 0.0, 1.0); }\n";
+        assert_eq!(reported(Stage::Fragment, embedded), [""; 0]);
+        let blocks = "layout(std430, binding = 0) buffer B { float v[]; };\nlayout(local_size_x = 64) in;\n\
+            void main() { v[gl_GlobalInvocationID.x] *= 2; }\n";
+        assert_eq!(reported(Stage::Compute, blocks), [""; 0]);
+    }
+
+    #[test]
+    fn a_host_of_opengl_es_leaves_its_versions() {
+        let file = |text: &str| SourceFile::new("a", text);
+        let codes = |text: &str| -> Vec<&str> {
+            Shader::parse_fitting(&file(text), Stage::Fragment, &[], true)
+                .diagnostics
+                .iter()
+                .map(|d| d.code.0)
+                .collect()
+        };
+        let text = "precision highp float;\nin vec2 uv;\nout vec4 c;\nvoid main() { vec4 sample = vec4(uv, 0.0, 1.0); c = sample; }\n";
+        assert_eq!(codes(text)[0], "V002");
+        assert!(
+            Shader::parse_fitting(&file(text), Stage::Fragment, &[], false).diagnostics.is_empty(),
+            "OpenGL 3.30 has it"
+        );
+        assert_eq!(codes("precision highp float;\nvoid main() { gl_FragColor = vec4(2 * 1.5); }\n"), ["T006"]);
+        let stated = "#version 300 es\nprecision highp float;\nvoid main() { gl_FragColor = vec4(1.0); }\n";
+        assert_eq!(codes(stated), ["E020"], "what is stated is believed");
+    }
+
+    #[test]
+    fn what_is_wrong_in_every_version_is_reported() {
+        let wrong = "in vec3 n;\nout vec4 c;\nvoid main() { c = n; }\n";
+        assert_eq!(reported(Stage::Fragment, wrong).len(), 1);
+        let old = "varying vec3 n;\nvoid main() { gl_FragColor = vec4(m, 1.0); }\n";
+        assert_eq!(reported(Stage::Fragment, old).len(), 1);
+        // Nothing here came later than 1.10, which has no such conversion.
+        let converted = "varying float x;\nvoid main() { gl_FragColor = vec4(x * 2); }\n";
+        assert_eq!(reported(Stage::Fragment, converted).len(), 1);
+        // A version that is stated is believed.
+        let stated = "#version 110\nvoid main() { gl_FragColor = vec4(1.0f); }\n";
+        assert_eq!(reported(Stage::Fragment, stated).len(), 1);
     }
 }

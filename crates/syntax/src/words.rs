@@ -11,6 +11,12 @@ pub fn words(name: &str) -> Vec<String> {
     parts(name).map(str::to_lowercase).collect()
 }
 
+/// The name that a text begins with; empty where it begins with none.
+pub fn identifier(text: &str) -> &str {
+    let end = text.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(text.len());
+    &text[..end]
+}
+
 /// Parts of a run of letters, each from a capital behind a small letter on.
 fn humps(run: &str) -> impl Iterator<Item = &str> {
     let pairs = run.char_indices().zip(run.chars().skip(1));

@@ -4,13 +4,12 @@ use std::collections::BTreeSet;
 
 use base::diagnostic::Code;
 use base::text::{SourceFile, Span};
-use syntax::{Parsed, Stage, errors};
+use syntax::{Parsed, Shader, Stage, errors};
 
 use super::blocks::Block;
 use super::kind::{Kind, file_name, kind};
 use super::{Document, Listing, Place};
 use crate::host::{HostFile, Literal, marks};
-use crate::{open, version};
 
 /// One block or several.
 #[derive(Clone)]
@@ -87,7 +86,7 @@ fn continues(part: &Part<'_>, more: &Part<'_>) -> bool {
     let (joined, before, after) = (read(&part.with(more)), read(part), read(more));
     let fits =
         count(&joined, |code| code == errors::REDEFINITION) == 0 && faults(&joined) <= faults(&before) + faults(&after);
-    let names = |p: &Parsed| count(p, open::is_name);
+    let names = |p: &Parsed| count(p, errors::is_name);
     fits && (names(&joined) < names(&before) + names(&after) || !marks::has_main(&more.literal.text))
 }
 
@@ -106,7 +105,7 @@ fn goes_on(part: &Part<'_>, more: &Part<'_>) -> bool {
 }
 
 fn parsed(literal: &Literal, stage: Stage) -> Parsed {
-    version::read(&SourceFile::new("", literal.text.as_str()), stage)
+    Shader::parse_fitting(&SourceFile::new("", literal.text.as_str()), stage, &[], false)
 }
 
 fn count(parsed: &Parsed, is: impl Fn(Code) -> bool) -> usize {
@@ -191,7 +190,7 @@ impl<'b> Part<'b> {
         let stage = self.stage.or_else(|| stage(&self.literal.text)).unwrap_or(Stage::Library);
         let read = parsed(&self.literal, stage);
         let open = !marks::has_main(&self.literal.text) || depth(&self.literal.text) > 0;
-        let lacks = count(&read, open::is_name) > 0 && (self.elided_in_comment || !has_version(&self.literal.text));
+        let lacks = count(&read, errors::is_name) > 0 && (self.elided_in_comment || !has_version(&self.literal.text));
         let partial = open || self.elided || lacks;
         // A few lines that show a mistake on purpose are no mistake.
         if partial && shows_a_mistake(&self.literal.text) {

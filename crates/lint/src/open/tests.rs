@@ -346,3 +346,27 @@ fn a_mark_that_a_project_repeats_is_of_another_tool() {
     let (a, b, c) = (missing("0.0, 1.0"), missing("p"), missing("0.5, 0.5"));
     by_default(&[("a.frag", a.as_str()), ("b.frag", &b), ("c.frag", &c)], "E001");
 }
+
+#[test]
+fn a_name_that_the_text_has_in_quotes_is_known_to_its_host() {
+    let text =
+        |head: &str| format!("{head}varying float radios;\nvoid main() {{ gl_FragColor = vec4(radius * radios); }}\n");
+    by_default(&[("a.frag", &text(""))], "E020");
+    only_on_request(
+        &[("a.frag", &text("/*{ \"INPUTS\": [{ \"NAME\": \"radius\", \"TYPE\": \"float\" }] }*/\n"))],
+        "E020",
+    );
+    by_default(&[("a.frag", &text("/* The radius of the lamp. */\n"))], "E020");
+}
+
+#[test]
+fn what_does_not_fit_a_host_that_is_guessed_shows_another_host() {
+    let text = |at: &str| {
+        format!(
+            "vec4 noise(float x) {{ return IMG_NORM_PIXEL(noiseImage, vec2(x){at}); }}\nvoid main() {{ gl_FragColor = noise(TIME + RENDERSIZE.x); }}\n"
+        )
+    };
+    only_on_request(&[("a.fs", &text(", 0.0"))], "E014");
+    only_on_request(&[("a.fs", &text(", 0.0"))], "E038");
+    assert!(found(&[("a.fs", &text(""))]).0.is_empty());
+}

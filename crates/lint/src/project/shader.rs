@@ -14,11 +14,11 @@ use crate::composed::Composed;
 use crate::document::{Listing, Place};
 use crate::embedded::Origin;
 use crate::flow::Flow;
-use crate::host::{Embedded, HostFile, Literal};
+use crate::host::{Embedded, HostFile, Literal, marks};
 use crate::prelude::{self, Between, Wanted};
 use crate::range::Observed;
 use crate::rule::Level;
-use crate::{conditions, es, open, script, version};
+use crate::{conditions, es, open, script};
 
 /// Readings of one text with names defined at most.
 const MOST_VARIANTS: usize = 3;
@@ -72,7 +72,7 @@ impl ShaderFile {
 
     /// A shader; of OpenGL ES where the host says so, and the text does not say what it is.
     fn read_as(input: &Input, stage: Stage, es: bool) -> Self {
-        Self::read(input, version::read_as(&input.file, stage, es))
+        Self::read(input, Shader::parse_fitting(&input.file, stage, &[], es))
     }
 
     /// A module in WGSL, or a template of one: of that, one text that its engine may write.
@@ -205,7 +205,7 @@ impl ShaderFile {
             return None;
         }
         let Composed { file, refused } = input.composer.as_ref()?.join(&input.file)?;
-        let parsed = version::read(&file, stage);
+        let parsed = Shader::parse_fitting(&file, stage, &[], false);
         if parsed.diagnostics.iter().any(|d| d.severity == Severity::Error) {
             return None;
         }
@@ -236,11 +236,16 @@ impl ShaderFile {
         shader.around = [front, behind];
         shader.front_end.retain(|d| !front.contains(d.span.start) && !behind.contains(d.span.start));
         if matches!(wanted, Wanted::Recognised | Wanted::RecognisedOr(_)) {
-            // Other parts of the text declare names, textures may have other types, and a name that is declared again shows
-            // another host.
-            let of_another = |d: &Diagnostic| {
-                open::is_about_a_name(d) || [errors::NO_OVERLOAD, errors::REDEFINITION].contains(&d.code)
+            // Other parts of the text declare names, textures may have other types, and a name that is declared again, or that
+            // does not fit what the host is taken to have, shows another host.
+            let text = shader.file.text();
+            let around = [&text[front.start..front.end], &text[behind.start..behind.end]];
+            let of_host = |d: &Diagnostic| {
+                let word = syntax::words::identifier(d.file.slice(d.span));
+                let macros = errors::rests_on(d.code).contains(Around::MACROS) && !word.is_empty();
+                macros && around.iter().any(|part| marks::has_word(part, word))
             };
+            let of_another = |d: &Diagnostic| open::is_about_a_name(d) || open::is_of_another(d) || of_host(d);
             // A port of such a text states a version, and enables more.
             let stated = shader.shader.version().span.is_some_and(|v| front.contains(v.start));
             let mut open = if stated { Around::ENABLED | Around::TYPES } else { Around::empty() };
@@ -249,10 +254,19 @@ impl ShaderFile {
                 open |= Around::all().difference(Around::TYPES | Around::VALUES);
             }
             let sure = |d: &Diagnostic| {
-                let slip = open::is_about_a_name(d) && d.help.is_some();
+                let slip = open::is_slip(d);
                 slip || (!of_another(d) && !open::rests(d).intersects(open))
             };
-            let (sure, asked) = shader.front_end.into_iter().partition(sure);
+            let (mut sure, mut asked): (Vec<_>, Vec<_>) = shader.front_end.into_iter().partition(sure);
+            // What is not read may be what is returned.
+            let items = &shader.shader.unit().items;
+            let unread = |d: &Diagnostic| {
+                let item = items.iter().find(|i| i.span.contains(d.span.start));
+                item.is_some_and(|item| asked.iter().any(|a| item.span.contains(a.span.start)))
+            };
+            let (open, known) = sure.into_iter().partition(|d| d.code == errors::RETURN_TYPE && unread(d));
+            sure = known;
+            asked.extend::<Vec<Diagnostic>>(open);
             (shader.front_end, shader.on_request) = (sure, asked);
         }
         shader.origin = Some(Origin { host: input.file.clone(), literal });
@@ -333,7 +347,8 @@ impl ShaderFile {
         let filled_in: Vec<bool> = shader.front_end.iter().map(|d| literal.is_filled_in(about(d))).collect();
         let mut filled_in = filled_in.into_iter();
         shader.front_end.retain(|_| !filled_in.next().unwrap_or(false));
-        shader.doubtful = Self::doubtful_of(&shader.shader, &shader.front_end);
+        let all: Vec<Diagnostic> = shader.front_end.iter().chain(&shader.on_request).cloned().collect();
+        shader.doubtful = Self::doubtful_of(&shader.shader, &all);
         shader.doubtful.retain(|(code, span)| !sure_of_es(*code, *span));
         // What stands behind `$` is a name of the template.
         let is_hook = |d: &Diagnostic| host.file.text()[..literal.to_host(d.span).start].ends_with('$');

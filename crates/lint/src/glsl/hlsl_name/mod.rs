@@ -3,7 +3,7 @@
 use crate::project::ShaderFile;
 use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::Safety;
-use base::diagnostic::{Diagnostic, Severity, message};
+use base::diagnostic::{Code, Diagnostic, Severity, message};
 use base::text::Edit;
 use syntax::Shader;
 use syntax::ast::{Callee, ExprKind};
@@ -11,7 +11,7 @@ use syntax::{TokenKind, TokenPlace, errors};
 
 /// The rule.
 pub const RULE: Rule = Rule {
-    code: errors::HLSL_NAME,
+    code: Code("T011"),
     name: "hlsl-name",
     severity: Severity::Error,
     level: Level::Default,

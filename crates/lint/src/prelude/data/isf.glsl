@@ -8,6 +8,7 @@ uniform float TIMEDELTA;
 uniform vec4 DATE;
 uniform int FRAMEINDEX;
 varying vec2 isf_FragNormCoord;
+varying vec2 vv_FragNormCoord;
 #define IMG_SIZE(image) vec2(RENDERSIZE)
 #define IMG_NORM_PIXEL(image, at) texture2D(image, at)
 #define IMG_PIXEL(image, at) texture2D(image, (at) / RENDERSIZE)
