@@ -1,19 +1,19 @@
 //! From a builder to what came of it.
 
-use std::convert::Infallible;
+use std::sync::Arc;
 
 use base::diagnostic::Lang;
 use base::text::SourceFile;
+use engine::check::{Check, Event, One, Suites};
 use engine::guess::{self, Role};
-use engine::session::{Job, Observer, Session};
+use engine::session::{self, Observer, Reached};
 use engine::suite::run::{
-    Entry, Outcome as Run, Part, Peer, Prepared, Request, RunError, Status, Summary, of_module, prepare, prepare_with,
-    settle,
+    Entry, Outcome as Run, Peer, Prepared, Request, RunError, Status, Summary, of_module, prepare, prepare_with, settle,
 };
 use engine::suite::{Expect, Floors, ReferenceFile, Stage, Suite};
 use judge::profile::Promises;
 use judge::verdict::{Literals, Reference};
-use lanes::{Lane, LaneError, Wanted};
+use lanes::{Lane, Wanted};
 use program::lower::Target;
 use program::{Program, Written};
 use property::regressions;
@@ -99,40 +99,26 @@ pub(super) fn on_lanes(
 ) -> Vec<Entry> {
     let promises: Vec<Promises> = lanes.iter().map(|lane| Promises::of_lane(lane.description())).collect();
     let peers = lanes.iter().zip(&promises).map(|(lane, promises)| Peer { lane: lane.as_ref(), promises }).collect();
-    let mut collected = Collected { prepared: Some(prepared), request, entries: Vec::new() };
-    let Ok(()) = Session::new(peers).run(1, &mut collected);
-    collected.entries
+    let one = One {
+        prepared: Arc::new(prepared),
+        request: |prepared: &Prepared, peer: Peer<'_>| request(prepared, peer.lane),
+    };
+    let mut collected = Collected(Vec::new());
+    let Ok(_) = session::run(&mut Check::new(one, peers), None, Reached::default(), &mut collected);
+    collected.0
 }
 
 /// The results of one suite.
-struct Collected<R> {
-    prepared: Option<Prepared>,
-    request: R,
-    entries: Vec<Entry>,
-}
+struct Collected(Vec<Entry>);
 
-impl<R: Fn(&Prepared, &dyn Lane) -> Request> Observer for Collected<R> {
-    type Error = Infallible;
-
-    fn prepare(&mut self, _: usize) -> Result<Option<Prepared>, Infallible> {
-        Ok(self.prepared.take())
-    }
-
-    fn request(&mut self, _: usize, prepared: &Prepared, peer: Peer<'_>) -> Result<Request, Infallible> {
-        Ok((self.request)(prepared, peer.lane))
-    }
-
-    fn end(&mut self, job: &Job<'_>, result: Result<&Part, LaneError>) -> Result<(), Infallible> {
-        let outcome = match result {
-            Ok(part) => Run::Ran(Box::new(part.clone().report())),
-            Err(error) => Run::LaneFailed(error.to_string()),
-        };
-        self.entries.push(job.entry(outcome));
-        Ok(())
-    }
-
-    fn suite(&mut self, _: usize, _: &Prepared, parts: Vec<Part>) -> Result<(), Infallible> {
-        settle(&mut self.entries, parts);
+impl<S: Suites> Observer<Check<'_, S>> for Collected {
+    fn event(&mut self, event: Event<'_>) -> Result<(), S::Error> {
+        match event {
+            Event::Ended(task, Ok(part)) => self.0.push(task.entry(Run::Ran(Box::new(part.clone().report())))),
+            Event::Ended(task, Err(error)) => self.0.push(task.entry(Run::LaneFailed(error.to_string()))),
+            Event::Suite(_, _, parts) => settle(&mut self.0, parts.to_vec()),
+            Event::Prepared(..) | Event::Begun(_) => {}
+        }
         Ok(())
     }
 }

@@ -12,6 +12,7 @@ mod watched;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::Context;
 use clap::builder::{PossibleValue, PossibleValuesParser};
@@ -20,10 +21,11 @@ use clap::{Args, ValueEnum};
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
 use crate::cli::waiting::Waiting;
-use base::text::{Shown, SourceFile};
+use base::text::Shown;
 use disk::fresh;
-use engine::session::Session;
-use engine::suite::run::{DEFAULT_SEED, LaneUsed, Peer, Prepared, Request, Status, Summary};
+use engine::check::{Check, Suites};
+use engine::session::{self, Reached};
+use engine::suite::run::{DEFAULT_SEED, LaneUsed, Peer, Prepared, Request, RunError, Status, Summary, prepare};
 use judge::profile::Promises;
 use judge::verdict::Literals;
 use lanes::{Lane, Stage, Wanted, interrupt};
@@ -211,6 +213,10 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     let one =
         selected.first().is_some_and(|first| selected.iter().all(|of| of.suite.file.name() == first.suite.file.name()));
     anyhow::ensure!(args.shader.is_none() || one, "--shader needs exactly one suite, and {count} are chosen");
+    if let Some(path) = &args.shader {
+        let shader = super::document::shader(path)?;
+        selected.iter_mut().for_each(|one| one.shader = shader.clone());
+    }
     let profile = Choice::new(args.profile.as_deref())?;
     let expectations = RunExpectations::new(args, &selected)?;
     let mut summary = Summary { seed: args.seed, ..Summary::default() };
@@ -227,16 +233,17 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     let peers = lanes.iter().zip(&promises).map(|(lane, promises)| Peer { lane: lane.as_ref(), promises }).collect();
     let sources = args.sources.as_ref().map(|Sources(sources)| &sources[..]);
     let stage = args.stage.map(StageArg::stage);
-    let session = Session { peers, stage, sources, shard, translations: true };
+    let suites = Asked { args, selected: &selected };
+    let mut check = Check { suites, peers, stage, sources, shard, translations: true };
     if shard.is_some() {
-        return shared::run(args, &session, &selected, &expectations, summary, out, err);
+        return shared::run(args, check, &expectations, summary, out, err);
     }
     let mut watched = Watched {
         args,
         selected: &selected,
         expectations: &expectations,
         summary,
-        progress: Progress::new(args.is_text() && !args.plain, selected.len(), tasks(args, &session, &selected)),
+        progress: Progress::new(args.is_text() && !args.plain, selected.len(), tasks(args, &check)),
         pages: Pages::new(args.report_dir.as_deref(), args.mutations.as_deref())?,
         screen: Screen::new(args, &selected, &lanes, color),
         entries: 0,
@@ -245,7 +252,7 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         out,
         err,
     };
-    session.run(selected.len(), &mut watched)?;
+    session::run(&mut check, None, Reached::default(), &mut watched)?;
     let Watched { mut summary, mut progress, mut pages, screen, unfit, out, err, .. } = watched;
     progress.finish();
     without_stage(args.stage, &unfit, err)?;
@@ -329,24 +336,16 @@ fn open_lanes(args: &CheckArgs, profile: &Choice, summary: &mut Summary) -> anyh
 }
 
 /// What is to be run.
-fn tasks(args: &CheckArgs, session: &Session<'_>, selected: &[Selected]) -> Vec<Task> {
+fn tasks(args: &CheckArgs, check: &Check<'_, Asked<'_>>) -> Vec<Task> {
     let mut tasks = Vec::new();
-    for (suite, selected) in selected.iter().enumerate() {
+    for (suite, selected) in check.suites.selected.iter().enumerate() {
         let samples = args.samples.unwrap_or(selected.suite.samples / if args.quick { 8 } else { 1 }).max(1);
-        for peer in &session.peers {
-            let ways = session.ways(&selected.suite, peer.lane);
+        for peer in &check.peers {
+            let ways = check.ways(&selected.suite, peer.lane);
             tasks.extend(ways.into_iter().map(|(stage, _)| Task { suite, on: (peer.name(), stage), samples }));
         }
     }
     tasks
-}
-
-/// The shader that is run under a suite.
-fn shader_of(args: &CheckArgs, selected: &Selected) -> anyhow::Result<SourceFile> {
-    match &args.shader {
-        Some(path) => super::document::shader(path),
-        None => Ok(selected.shader.clone()),
-    }
 }
 
 /// Writes the run in every format for programs, each file in one step.
@@ -359,6 +358,30 @@ fn write_reports(folder: &Path, summary: &Summary) -> anyhow::Result<()> {
         fresh::write(&path, text.as_bytes()).with_context(context)?;
     }
     Ok(())
+}
+
+/// The suites that were asked for.
+#[derive(Clone, Copy)]
+struct Asked<'a> {
+    args: &'a CheckArgs,
+    selected: &'a [Selected],
+}
+
+impl Suites for Asked<'_> {
+    type Error = anyhow::Error;
+
+    fn count(&self) -> usize {
+        self.selected.len()
+    }
+
+    fn prepare(&self, suite: usize) -> Result<Arc<Prepared>, RunError> {
+        let one = &self.selected[suite];
+        prepare(&one.suite, &one.shader).map(Arc::new)
+    }
+
+    fn request(&self, suite: usize, prepared: &Prepared, peer: Peer<'_>) -> anyhow::Result<Request> {
+        request(self.args, &self.selected[suite], prepared, peer.promises.clone())
+    }
 }
 
 fn request(args: &CheckArgs, selected: &Selected, prepared: &Prepared, promises: Promises) -> anyhow::Result<Request> {

@@ -6,6 +6,7 @@ pub mod activity;
 pub mod adversary;
 pub mod calibrate;
 pub mod catalogue;
+pub mod check;
 pub mod compare;
 pub mod corners;
 pub mod dispatch;

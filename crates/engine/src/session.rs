@@ -1,244 +1,166 @@
-//! A run: suites on lanes, in stages or from sources of inputs. Each suite in one way on one lane is a job, whose result
-//! is a [`Part`] that can be joined with those of other shards.
-//!
-//! Lines on the screen, checkpoints and the page of a run observe a session. `mutate`, `fuzz`, `calibrate` and
-//! `refdata` have jobs of other kinds (mutants, functions, operations, blocks) and loops of their own.
+//! A run: the units of a job one after the other, as a whole or as one shard of it, until they are done or a signal ends
+//! the process. A run is its parts, joined, for every job.
 
-use std::cell::RefCell;
-use std::ops::ControlFlow;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
 use crate::shard::Shard;
-use crate::suite::Suite;
-use crate::suite::run::{
-    Entry, Outcome, Part, Peer, Prepared, Request, Sampled, Share, Way, cross_check, max_samples, run_part, stage_of,
-};
-use judge::profile::Promises;
-use lanes::{Lane, LaneError, Stage, embedded, interrupt};
-use program::InputSource;
+use lanes::interrupt;
 
-/// What is run of every suite.
-#[derive(Clone)]
-pub struct Session<'a> {
-    /// The lanes, in the order in which they run.
-    pub peers: Vec<Peer<'a>>,
-    /// Only this stage of each lane.
-    pub stage: Option<Stage>,
-    /// Inputs from these sources in turn, in place of the usual run of each stage.
-    pub sources: Option<&'a [InputSource]>,
-    /// Which part of the samples, handed over as a whole. `None` for a whole run, of which what was judged until it is
-    /// interrupted is of use.
-    pub shard: Option<Shard>,
-    /// Whether the shader's translations are compared as well, once for each suite.
-    pub translations: bool,
-}
+/// Why two parts are not of one run.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("{0}")]
+pub struct Unlike(pub String);
 
-/// A suite in one stage of one lane, with inputs from one source.
-pub struct Job<'a> {
-    /// Place of the suite in the run, from 0.
-    pub suite: usize,
-    /// The suite.
-    pub prepared: &'a Prepared,
-    /// The lane.
-    pub peer: Peer<'a>,
-    /// Stage and source.
-    pub way: Way,
-    /// What the run is asked for.
-    pub request: &'a Request,
-    /// Samples that are generated.
-    pub samples: u64,
-}
-
-impl Job<'_> {
-    /// The place of its result in a report.
-    pub fn entry(&self, outcome: Outcome) -> Entry {
-        let (suite, shader) = (self.prepared.suite.name.clone(), self.prepared.shader.clone());
-        Entry { suite, shader, on: Some((self.peer.name(), self.way.0)), outcome }
+impl Unlike {
+    /// For shards that differ in what they ran on, or what they ran.
+    ///
+    /// # Errors
+    /// When the two are not the same.
+    pub fn unless(same: bool, how: &str) -> Result<(), Self> {
+        if same { Ok(()) } else { Err(Self(format!("the shards {how}"))) }
     }
 }
 
-/// What an earlier run left of a job.
-pub enum Earlier {
-    /// Nothing: it runs from the start.
-    Nothing,
-    /// It goes on from here.
-    Begun(Box<Sampled>),
-    /// It is done.
-    Done(Box<Part>),
+/// What a part of a run found. Joining is associative, and its order does not matter.
+pub trait Join: Serialize + DeserializeOwned {
+    /// Adds what another part found.
+    ///
+    /// # Errors
+    /// When the two are not of one run after all.
+    fn join(&mut self, other: Self) -> Result<(), Unlike>;
 }
 
-/// Who sets a session up suite by suite, and is told what comes of it.
-pub trait Observer {
-    /// Why a session ends before its time.
+/// Work that is done unit by unit: a suite, a function, a program.
+pub trait Job: Sized {
+    /// What is done without a break between two looks at the signals.
+    type Unit;
+    /// What came of units.
+    type Part;
+    /// What ends the run before its time.
     type Error;
+    /// What a watcher is told besides.
+    type Event<'e>;
 
-    /// Makes a suite ready, given by its place in the run. `None` for one that cannot run, which the observer notes.
+    /// Whether every shard does its share inside of each unit, which the job knows. Otherwise unit `k` is done by shard
+    /// `k` modulo their number.
+    const SHARED_WITHIN: bool = false;
+
+    /// The unit of a number, counted from 0; `None` behind the last. Asked for one after the other, also for the units of
+    /// other shards and for those that are done: what is wrong with one of them is told by all.
     ///
     /// # Errors
-    /// What ends the session.
-    fn prepare(&mut self, suite: usize) -> Result<Option<Prepared>, Self::Error>;
+    /// What ends the run.
+    fn unit(
+        &mut self,
+        number: u64,
+        at: &mut Reached<Self::Part>,
+        observer: &mut dyn Observer<Self>,
+    ) -> Result<Option<Self::Unit>, Self::Error>;
 
-    /// What is asked of a suite on a lane.
+    /// Does a unit, given with its number, and adds what came of it. Returns early when the process is interrupted: a whole run
+    /// keeps what was found until then, a shard forgets it.
     ///
     /// # Errors
-    /// What ends the session.
-    fn request(&mut self, suite: usize, prepared: &Prepared, peer: Peer<'_>) -> Result<Request, Self::Error>;
+    /// What ends the run.
+    fn run(
+        &mut self,
+        unit: (u64, Self::Unit),
+        at: &mut Reached<Self::Part>,
+        observer: &mut dyn Observer<Self>,
+    ) -> Result<(), Self::Error>;
+}
 
-    /// A job begins, or goes on.
-    fn begin(&mut self, _: &Job<'_>) -> Earlier {
-        Earlier::Nothing
+/// Who watches a run, and may end it.
+pub trait Observer<J: Job> {
+    /// Something happened.
+    ///
+    /// # Errors
+    /// What ends the run.
+    fn event(&mut self, _: J::Event<'_>) -> Result<(), J::Error> {
+        Ok(())
     }
 
-    /// So many samples of the job are done.
+    /// So many steps of the unit are done.
     fn progress(&mut self, _: u64) {}
 
-    /// A batch is done, and the job is so far.
+    /// The run is so far, and can go on from here.
     ///
     /// # Errors
-    /// What ends the session.
-    fn checkpoint(&mut self, _: &Sampled) -> Result<(), Self::Error> {
+    /// What ends the run.
+    fn checkpoint(&mut self, _: &Reached<J::Part>) -> Result<(), J::Error> {
         Ok(())
     }
 
-    /// A job ended, or the lane failed. What another session left of a job does not end again.
+    /// A unit ended, also one that was cut short in a whole run.
     ///
     /// # Errors
-    /// What ends the session.
-    fn end(&mut self, _: &Job<'_>, _: Result<&Part, LaneError>) -> Result<(), Self::Error> {
+    /// What ends the run.
+    fn end(&mut self, _: &J::Part) -> Result<(), J::Error> {
         Ok(())
     }
-
-    /// A suite ran in all ways, and its lanes were asked about each other's deviations: the results of all jobs that
-    /// did not fail, in their order. Where the session is interrupted, those until then.
-    ///
-    /// # Errors
-    /// What ends the session.
-    fn suite(&mut self, suite: usize, prepared: &Prepared, parts: Vec<Part>) -> Result<(), Self::Error>;
 }
 
-impl<'a> Session<'a> {
-    /// Runs all stages of these lanes.
-    pub fn new(peers: Vec<Peer<'a>>) -> Self {
-        Self { peers, stage: None, sources: None, shard: None, translations: false }
-    }
+/// A unit begins: the event of jobs that have no others.
+#[derive(Clone, Copy, Debug)]
+pub struct Begun<'e> {
+    /// The unit.
+    pub what: &'e str,
+    /// Where it runs.
+    pub on: &'e str,
+    /// Its steps, as far as they are known.
+    pub steps: u64,
+}
 
-    /// The ways in which a suite runs on a lane: stages, or sources of inputs where these are asked for.
-    pub fn ways(&self, suite: &Suite, lane: &dyn Lane) -> Vec<Way> {
-        let admitted = |(stage, _): &Way| self.stage.is_none_or(|asked| asked == *stage);
-        match self.sources {
-            // Sources are ways into a compute stage; a lane without one takes its inputs in one way.
-            Some(_) if !lane.description().stages.contains(&Stage::Compute) => Vec::new(),
-            Some(sources) => sources.iter().map(|&s| (stage_of(s), Some(s))).filter(admitted).collect(),
-            None => suite.stages(lane).into_iter().map(|stage| (stage, None)).filter(admitted).collect(),
+/// How far a run is.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Reached<P> {
+    /// Units that are done, of those that are this shard's.
+    pub done: u64,
+    /// What they found, and what a unit under way needs to go on.
+    pub part: P,
+}
+
+impl<P> Reached<P> {
+    /// The beginning of a run that has found nothing yet.
+    pub fn nothing(part: P) -> Self {
+        Self { done: 0, part }
+    }
+}
+
+/// Runs a job from where it got to, whole or one shard of it. `None` for a shard that a signal ended: it goes on from its
+/// last checkpoint. A whole run then gives what was found.
+///
+/// # Errors
+/// What the job or the observer ends the run with.
+pub fn run<J: Job>(
+    job: &mut J,
+    shard: Option<Shard>,
+    mut at: Reached<J::Part>,
+    observer: &mut dyn Observer<J>,
+) -> Result<Option<J::Part>, J::Error> {
+    let mine = |unit: u64| J::SHARED_WITHIN || shard.is_none_or(|shard| unit % shard.count() == shard.index());
+    let mut own = 0;
+    for number in 0.. {
+        let Some(unit) = job.unit(number, &mut at, observer)? else { break };
+        own += u64::from(mine(number));
+        if !mine(number) || own <= at.done {
+            continue;
         }
-    }
-
-    /// Runs so many suites, one after the other, until the process is interrupted.
-    ///
-    /// # Errors
-    /// What the observer ends the session with.
-    pub fn run<O: Observer>(&self, suites: usize, observer: &mut O) -> Result<(), O::Error> {
-        for suite in 0..suites {
-            if let Some(prepared) = observer.prepare(suite)? {
-                self.suite(suite, &prepared, observer)?;
-            }
-            if interrupt::asked() {
+        job.run((number, unit), &mut at, observer)?;
+        match (interrupt::asked(), shard) {
+            (true, Some(_)) => return Ok(None),
+            (true, None) => {
+                observer.end(&at.part)?;
                 break;
             }
-        }
-        Ok(())
-    }
-
-    fn suite<O: Observer>(&self, suite: usize, prepared: &Prepared, observer: &mut O) -> Result<(), O::Error> {
-        let mut parts: Vec<Part> = Vec::new();
-        let mut untranslated = false;
-        for &peer in &self.peers {
-            if self.on(peer, (suite, prepared), observer, &mut parts, &mut untranslated)?.is_break() {
-                break;
+            (false, _) => {
+                at.done = own;
+                observer.end(&at.part)?;
+                observer.checkpoint(&at)?;
             }
         }
-        // Where a translator fails in front of every device, what the shader means is held against what is expected all the
-        // same: the interpreter needs no translator.
-        let judged = |part: &Part| part.judged() > 0;
-        let alone = untranslated && !parts.iter().any(judged) && self.shard.is_none() && !interrupt::asked();
-        if let Some(lane) = alone.then(embedded::open).and_then(Result::ok) {
-            let promises = Promises::of_lane(lane.description());
-            let peer = Peer { lane: &*lane, promises: &promises };
-            let _ = self.on(peer, (suite, prepared), observer, &mut parts, &mut untranslated)?;
-        }
-        if !interrupt::asked() {
-            cross_check(prepared, &self.peers, &mut parts);
-        }
-        observer.suite(suite, prepared, parts)
     }
-
-    /// Runs a suite on one lane; breaks off when it is interrupted.
-    fn on<O: Observer>(
-        &self,
-        peer: Peer<'_>,
-        (suite, prepared): (usize, &Prepared),
-        observer: &mut O,
-        parts: &mut Vec<Part>,
-        untranslated: &mut bool,
-    ) -> Result<ControlFlow<()>, O::Error> {
-        let request = observer.request(suite, prepared, peer)?;
-        for way in self.ways(&prepared.suite, peer.lane) {
-            if interrupt::asked() {
-                return Ok(ControlFlow::Break(()));
-            }
-            let most = way.1.map_or(u64::MAX, |source| max_samples(prepared, source));
-            let samples = request.samples_of(&prepared.suite).min(most) / self.shard.map_or(1, Shard::count);
-            let job = Job { suite, prepared, peer, way, request: &request, samples };
-            let resume = match observer.begin(&job) {
-                Earlier::Nothing => None,
-                Earlier::Begun(sampled) => Some(*sampled),
-                Earlier::Done(part) => {
-                    parts.push(*part);
-                    continue;
-                }
-            };
-            match self.job(&job, resume, observer)? {
-                // A device that is given up because the run ends has not failed.
-                Err(_) | Ok(None) if interrupt::asked() => return Ok(ControlFlow::Break(())),
-                Err(error) => {
-                    *untranslated |= matches!(error, LaneError::Translator(_));
-                    observer.end(&job, Err(error))?;
-                }
-                Ok(part) => {
-                    let Some(mut part) = part else { return Ok(ControlFlow::Break(())) };
-                    // Translations have no lane: the first part of a suite bears what is found out about them.
-                    let whole = self.shard.is_some() || !interrupt::asked();
-                    if parts.is_empty() && self.translations && whole && self.shard.is_none_or(Shard::is_first) {
-                        part.check_translations(prepared, &request);
-                    }
-                    observer.end(&job, Ok(&part))?;
-                    parts.push(part);
-                }
-            }
-        }
-        Ok(ControlFlow::Continue(()))
-    }
-
-    /// Runs a job; gives nothing when it is interrupted.
-    fn job<O: Observer>(
-        &self,
-        job: &Job<'_>,
-        resume: Option<Sampled>,
-        observer: &mut O,
-    ) -> Result<Result<Option<Part>, LaneError>, O::Error> {
-        let mut failed = None;
-        let observer = RefCell::new(observer);
-        let mut save = |sampled: &Sampled| match observer.borrow_mut().checkpoint(sampled) {
-            Ok(()) if self.shard.is_some() && interrupt::asked() => ControlFlow::Break(()),
-            Ok(()) => ControlFlow::Continue(()),
-            Err(error) => {
-                failed = Some(error);
-                ControlFlow::Break(())
-            }
-        };
-        let share =
-            Share { shard: self.shard.unwrap_or(Shard::WHOLE), resume, save: &mut save, partial: self.shard.is_none() };
-        let mut progress = |done| observer.borrow_mut().progress(done);
-        let part = run_part(job.prepared, job.peer.lane, job.way, job.request, share, &mut progress);
-        failed.map_or(Ok(part), Err)
-    }
+    Ok(Some(at.part))
 }

@@ -9,15 +9,15 @@ use serde::{Deserialize, Serialize};
 use super::expectations::{RunExpectations, Written};
 use super::progress::Progress;
 use super::select::Selected;
-use super::{CheckArgs, request, shader_of};
+use super::{Asked, CheckArgs};
 use crate::cli::merge::Joined;
 use crate::cli::shard::{Absent, Store};
 use crate::cli::status::ExitStatus;
 use base::text::fingerprint;
-use engine::session::{Earlier, Job, Observer, Session};
+use engine::check::{Check, Event, Found};
+use engine::session::{self, Observer, Reached};
 use engine::shard::{Identity, Shard};
-use engine::suite::run::{Entry, LaneUsed, Outcome, Part, Peer, Prepared, Request, Sampled, Summary, prepare};
-use lanes::{LaneError, interrupt};
+use engine::suite::run::{Entry, LaneUsed, Outcome, Part, Summary};
 
 /// What some shards found.
 #[derive(Debug, Serialize, Deserialize)]
@@ -36,23 +36,8 @@ pub struct ShardResult {
     expectations: Written,
 }
 
-/// How far a shard is.
-#[derive(Default, Serialize, Deserialize)]
-struct State {
-    done: Vec<Part>,
-    /// The suite under way: its place among those that are done, and its samples so far.
-    under_way: Option<(usize, Sampled)>,
-}
-
-/// The same, to be written.
-#[derive(Serialize)]
-struct StateRef<'a> {
-    done: &'a [Part],
-    under_way: Option<(usize, &'a Sampled)>,
-}
-
 /// Everything that the result of a run depends on.
-fn identity(args: &CheckArgs, shard: Shard, selected: &[Selected], lanes: &[LaneUsed]) -> anyhow::Result<Identity> {
+fn identity(args: &CheckArgs, shard: Shard, selected: &[Selected], lanes: &[LaneUsed]) -> Identity {
     let mut identity = Identity::new("check", args.seed, shard.count());
     if let Some(samples) = args.samples {
         identity = identity.with("--samples", samples);
@@ -73,12 +58,11 @@ fn identity(args: &CheckArgs, shard: Shard, selected: &[Selected], lanes: &[Lane
         );
     }
     for one in selected {
-        let shader = shader_of(args, one)?;
-        let text = format!("{}\n{:?}\n{:?}", shader.text(), one.suite, one.saved);
+        let text = format!("{}\n{:?}\n{:?}", one.shader.text(), one.suite, one.saved);
         identity = identity
             .with(&format!("suite `{}` ({})", one.suite.name, one.argument), format!("{:016x}", fingerprint(&text)));
     }
-    Ok(identity)
+    identity
 }
 
 /// Runs one shard.
@@ -87,74 +71,59 @@ fn identity(args: &CheckArgs, shard: Shard, selected: &[Selected], lanes: &[Lane
 /// When a suite cannot run at all, a lane fails, or a file cannot be written.
 pub fn run(
     args: &CheckArgs,
-    session: &Session<'_>,
-    selected: &[Selected],
+    mut check: Check<'_, Asked<'_>>,
     expectations: &RunExpectations,
     summary: Summary,
     out: &mut dyn Write,
     err: &mut dyn Write,
 ) -> anyhow::Result<ExitStatus> {
-    let shard = session.shard.unwrap_or(Shard::WHOLE);
-    let store = Store::new(&args.sharing.shard_dir, shard, identity(args, shard, selected, &summary.lanes)?)?;
-    store.run(args.is_json(), (out, err), |state: Option<State>| {
-        let mut tasks = super::tasks(args, session, selected);
+    let (shard, selected) = (check.shard.unwrap_or(Shard::WHOLE), check.suites.selected);
+    let store = Store::new(&args.sharing.shard_dir, shard, identity(args, shard, selected, &summary.lanes))?;
+    store.run(args.is_json(), (out, err), |reached: Option<Reached<Found>>| {
+        let mut tasks = super::tasks(args, &check);
         tasks.iter_mut().for_each(|task| task.samples = (task.samples / shard.count()).max(1));
         let progress = Progress::new(args.is_text() && !args.plain, selected.len(), tasks);
-        let state = state.unwrap_or_default();
-        let mut stored = Stored { args, selected, store: &store, state, progress, of: Vec::new() };
-        session.run(selected.len(), &mut stored)?;
+        let mut stored = Stored { selected, store: &store, progress };
+        let found = session::run(&mut check, Some(shard), reached.unwrap_or_default(), &mut stored)?;
         stored.progress.finish();
-        if interrupt::asked() {
-            return Ok(None);
-        }
+        let Some(Found { parts, of, .. }) = found else { return Ok(None) };
         let Summary { lanes, asked, required, unavailable, .. } = summary;
         Ok(Some(ShardResult {
             lanes,
             unavailable: Absent::new(unavailable),
             asked: asked.into_iter().collect(),
             required: required.into_iter().collect(),
-            parts: stored.state.done,
-            expectations: expectations.written(&stored.of),
+            parts,
+            expectations: expectations.written(&of),
         }))
     })
 }
 
 /// A shard as it goes: every batch and every result is written down.
 struct Stored<'a> {
-    args: &'a CheckArgs,
     selected: &'a [Selected],
     store: &'a Store,
-    state: State,
     progress: Progress,
-    /// For each job that began, the suite that it is of.
-    of: Vec<usize>,
 }
 
-impl Observer for Stored<'_> {
-    type Error = anyhow::Error;
-
-    fn prepare(&mut self, suite: usize) -> anyhow::Result<Option<Prepared>> {
-        let one = &self.selected[suite];
-        let prepared = prepare(&one.suite, &shader_of(self.args, one)?);
-        let name = &one.suite.name;
-        let why = || format!("suite `{name}` cannot run; `shadercheck check` without --shard tells more");
-        Ok(Some(prepared.with_context(why)?))
-    }
-
-    fn request(&mut self, suite: usize, prepared: &Prepared, peer: Peer<'_>) -> anyhow::Result<Request> {
-        request(self.args, &self.selected[suite], prepared, peer.promises.clone())
-    }
-
-    fn begin(&mut self, job: &Job<'_>) -> Earlier {
-        self.of.push(job.suite);
-        let place = self.of.len();
-        if let Some(part) = self.state.done.get(place - 1) {
-            return Earlier::Done(Box::new(part.clone()));
-        }
-        self.progress.start((job.suite, &job.prepared.suite.name), job.peer.name(), job.way.0, job.samples);
-        match self.state.under_way.take().filter(|(at, _)| *at == place) {
-            Some((_, sampled)) => Earlier::Begun(Box::new(sampled)),
-            None => Earlier::Nothing,
+impl Observer<Check<'_, Asked<'_>>> for Stored<'_> {
+    fn event(&mut self, event: Event<'_>) -> anyhow::Result<()> {
+        match event {
+            Event::Prepared(suite, Err(error)) => {
+                let name = &self.selected[suite].suite.name;
+                let why = || format!("suite `{name}` cannot run; `shadercheck check` without --shard tells more");
+                Err(error).with_context(why)
+            }
+            Event::Begun(task) => {
+                let suite = (task.suite, &*task.prepared.suite.name);
+                self.progress.start(suite, task.peer.name(), task.way.0, task.samples);
+                Ok(())
+            }
+            Event::Ended(task, Err(error)) => {
+                let (suite, lane) = (&task.prepared.suite.name, task.peer.name());
+                Err(error).with_context(|| format!("suite `{suite}` on {lane}/{}", task.way.0))
+            }
+            Event::Prepared(_, Ok(_)) | Event::Ended(_, Ok(_)) | Event::Suite(..) => Ok(()),
         }
     }
 
@@ -162,22 +131,8 @@ impl Observer for Stored<'_> {
         self.progress.at(done);
     }
 
-    fn checkpoint(&mut self, sampled: &Sampled) -> anyhow::Result<()> {
-        self.store.save(&StateRef { done: &self.state.done, under_way: Some((self.of.len(), sampled)) })
-    }
-
-    fn end(&mut self, job: &Job<'_>, result: Result<&Part, LaneError>) -> anyhow::Result<()> {
-        let part = result
-            .with_context(|| format!("suite `{}` on {}/{}", job.prepared.suite.name, job.peer.name(), job.way.0))?;
-        self.state.done.push(part.clone());
-        self.store.save(&StateRef { done: &self.state.done, under_way: None })
-    }
-
-    fn suite(&mut self, suite: usize, _: &Prepared, parts: Vec<Part>) -> anyhow::Result<()> {
-        // They now hold what other lanes say of a deviation. Parts of later suites may be there from an earlier run.
-        let first = self.of.partition_point(|&of| of < suite);
-        self.state.done.splice(first..first + parts.len(), parts);
-        Ok(())
+    fn checkpoint(&mut self, reached: &Reached<Found>) -> anyhow::Result<()> {
+        self.store.save(reached)
     }
 }
 
@@ -227,10 +182,11 @@ impl Joined for ShardResult {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use engine::suite::run::Peer;
     use judge::profile::Promises;
 
     /// Runs the first of two shards of two suites from a state on; gives the parts at the end.
-    fn parts(done: Vec<Part>) -> Vec<Part> {
+    fn parts(reached: Reached<Found>) -> Found {
         let folder = tempfile::tempdir().unwrap();
         let shard: Shard = "0/2".parse().unwrap();
         let store = Store::new(folder.path(), shard, Identity::new("check", 1, 2)).unwrap();
@@ -239,21 +195,26 @@ mod tests {
         let lane = lanes::embedded::open().unwrap();
         let promises = Promises::of_lane(lane.description());
         let peers = vec![Peer { lane: lane.as_ref(), promises: &promises }];
-        let session = Session { shard: Some(shard), ..Session::new(peers) };
-        let (state, progress) = (State { done, under_way: None }, Progress::new(false, 2, Vec::new()));
-        let mut stored = Stored { args: &args, selected: &selected, store: &store, state, progress, of: Vec::new() };
-        session.run(selected.len(), &mut stored).unwrap();
-        assert_eq!(stored.of, [0, 1]);
-        stored.state.done
+        let mut check = Check::new(Asked { args: &args, selected: &selected }, peers);
+        check.shard = Some(shard);
+        let mut stored = Stored { selected: &selected, store: &store, progress: Progress::new(false, 2, Vec::new()) };
+        session::run(&mut check, Some(shard), reached, &mut stored).unwrap().unwrap()
     }
 
     #[test]
     fn a_shard_that_goes_on_keeps_the_parts_of_every_suite_in_their_places() {
-        let text = |parts: &[Part]| serde_json::to_string(parts).unwrap();
-        let whole = parts(Vec::new());
-        assert_eq!(whole.iter().map(|part| &*part.suite).collect::<Vec<_>>(), ["sphere", "morph"]);
-        for kept in 1..=whole.len() {
-            assert_eq!(text(&parts(whole[..kept].to_vec())), text(&whole), "{kept} kept");
+        let text = |found: &Found| serde_json::to_string(found).unwrap();
+        let whole = parts(Reached::default());
+        assert_eq!(whole.parts.iter().map(|part| &*part.suite).collect::<Vec<_>>(), ["sphere", "morph"]);
+        assert_eq!(whole.of, [0, 1]);
+        for kept in 1..=whole.parts.len() {
+            // The suites before the last are done, and of the last one its tasks.
+            for done in [kept - 1, kept] {
+                let mut part = whole.clone();
+                part.parts.truncate(kept);
+                part.of.truncate(kept);
+                assert_eq!(text(&parts(Reached { done: done as u64, part })), text(&whole), "{kept} kept, {done} done");
+            }
         }
     }
 }

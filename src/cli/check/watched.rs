@@ -8,9 +8,10 @@ use super::page::Pages;
 use super::progress::Progress;
 use super::screen::Screen;
 use super::select::Selected;
-use super::{CheckArgs, request, shader_of};
-use engine::session::{Earlier, Job, Observer};
-use engine::suite::run::{Entry, Outcome, Part, Peer, Prepared, Report, Request, Summary, bundles, prepare, settle};
+use super::{Asked, CheckArgs};
+use engine::check::{Check, Event, Task};
+use engine::session::Observer;
+use engine::suite::run::{Entry, Outcome, Part, Prepared, Report, RunError, Summary, bundles, settle};
 use engine::suite::save_regressions;
 use lanes::{LaneError, interrupt};
 use property::Sample;
@@ -56,58 +57,54 @@ impl Watched<'_> {
     }
 
     /// The files and pictures of a result.
-    fn shown(&mut self, job: &Job<'_>, report: &Report) -> anyhow::Result<()> {
-        let (lane, stage) = (job.peer.lane, job.way.0);
+    fn shown(&mut self, task: &Task<'_>, report: &Report) -> anyhow::Result<()> {
+        let (lane, stage) = (task.peer.lane, task.way.0);
         if let Some(folder) = &self.args.report_dir {
-            for bundle in bundles(job.prepared, lane, stage, &job.request.promises, report)? {
+            for bundle in bundles(task.prepared, lane, stage, &task.request.promises, report)? {
                 self.pages.attempt(write_bundle(folder, &bundle));
             }
         }
-        self.pages.look(job.prepared, lane, stage, job.request, report);
+        self.pages.look(task.prepared, lane, stage, task.request, report);
         Ok(())
     }
 }
 
-impl Observer for Watched<'_> {
-    type Error = anyhow::Error;
-
-    fn prepare(&mut self, suite: usize) -> anyhow::Result<Option<Prepared>> {
-        let selected = &self.selected[suite];
-        let shader = shader_of(self.args, selected)?;
-        let prepared = prepare(&selected.suite, &shader);
-        self.pages.suite(&selected.suite.name, &selected.suite.title, &shader, prepared.as_ref().ok());
-        match prepared {
-            Ok(prepared) => Ok(Some(prepared)),
-            Err(error) => {
-                let (suite_name, shader) = (selected.suite.name.clone(), shader.name().to_owned());
-                let outcome = Outcome::Refused(error);
-                self.add(suite, Entry { suite: suite_name, shader, on: None, outcome })?;
-                self.ended(suite)?;
-                Ok(None)
+impl Observer<Check<'_, Asked<'_>>> for Watched<'_> {
+    fn event(&mut self, event: Event<'_>) -> anyhow::Result<()> {
+        match event {
+            Event::Prepared(suite, prepared) => self.prepared(suite, prepared),
+            Event::Begun(task) => {
+                let suite = (task.suite, &*task.prepared.suite.name);
+                self.progress.start(suite, task.peer.name(), task.way.0, task.samples);
+                Ok(())
             }
+            Event::Ended(task, result) => self.result(task, result),
+            Event::Suite(suite, prepared, parts) => self.suite(suite, prepared, parts),
         }
-    }
-
-    fn request(&mut self, suite: usize, prepared: &Prepared, peer: Peer<'_>) -> anyhow::Result<Request> {
-        request(self.args, &self.selected[suite], prepared, peer.promises.clone())
-    }
-
-    fn begin(&mut self, job: &Job<'_>) -> Earlier {
-        self.progress.start((job.suite, &job.prepared.suite.name), job.peer.name(), job.way.0, job.samples);
-        Earlier::Nothing
     }
 
     fn progress(&mut self, done: u64) {
         self.progress.at(done);
     }
+}
 
-    fn end(&mut self, job: &Job<'_>, result: Result<&Part, LaneError>) -> anyhow::Result<()> {
-        let (name, (stage, source)) = (job.peer.name(), job.way);
+impl Watched<'_> {
+    fn prepared(&mut self, suite: usize, prepared: Result<&Prepared, RunError>) -> anyhow::Result<()> {
+        let Selected { suite: about, shader, .. } = &self.selected[suite];
+        self.pages.suite(&about.name, &about.title, shader, prepared.as_ref().ok().copied());
+        let Err(error) = prepared else { return Ok(()) };
+        let (name, shader) = (about.name.clone(), shader.name().to_owned());
+        self.add(suite, Entry { suite: name, shader, on: None, outcome: Outcome::Refused(error) })?;
+        self.ended(suite)
+    }
+
+    fn result(&mut self, task: &Task<'_>, result: Result<&Part, LaneError>) -> anyhow::Result<()> {
+        let (name, (stage, source)) = (task.peer.name(), task.way);
         let outcome = match result {
             Ok(part) => {
                 let report = part.clone().report();
                 if !interrupt::asked() {
-                    self.shown(job, &report)?;
+                    self.shown(task, &report)?;
                     self.failing.extend(report.failing.iter().cloned());
                 }
                 Outcome::Ran(Box::new(report))
@@ -117,20 +114,20 @@ impl Observer for Watched<'_> {
                 let again = match &error {
                     LaneError::Lost { inputs, .. } if !inputs.is_empty() => format!(
                         "\n  reproduce  shadercheck check {} --lane {name} --stage {stage} --case '{inputs}'",
-                        job.request.arguments
+                        task.request.arguments
                     ),
                     _ => String::new(),
                 };
                 Outcome::LaneFailed(format!("{way}{error}{again}"))
             }
         };
-        self.add(job.suite, job.entry(outcome))
+        self.add(task.suite, task.entry(outcome))
     }
 
-    fn suite(&mut self, suite: usize, prepared: &Prepared, parts: Vec<Part>) -> anyhow::Result<()> {
+    fn suite(&mut self, suite: usize, prepared: &Prepared, parts: &[Part]) -> anyhow::Result<()> {
         let entries = &mut self.summary.entries[self.entries..];
         // What other lanes say of a deviation was not known when its line was printed.
-        settle(entries, parts);
+        settle(entries, parts.to_vec());
         entries.iter_mut().for_each(|entry| self.expectations.apply(suite, entry, &self.summary.lanes));
         let failing = std::mem::take(&mut self.failing);
         // Another shader's failures are no regressions of the suite's own.

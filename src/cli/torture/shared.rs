@@ -10,6 +10,7 @@ use crate::cli::check::Format;
 use crate::cli::merge::Joined;
 use crate::cli::shard::Store;
 use crate::cli::status::ExitStatus;
+use engine::session::Join;
 use engine::shard::{Identity, Shard};
 use engine::suite::run::Peer;
 use engine::torture::Found;
@@ -86,7 +87,7 @@ impl Joined for ShardResult {
     fn join(&mut self, other: Self) -> anyhow::Result<()> {
         anyhow::ensure!(self.lanes == other.lanes, "the shards ran on different lanes");
         self.done += other.done;
-        self.found.join(other.found);
+        self.found.join(other.found)?;
         Ok(())
     }
 

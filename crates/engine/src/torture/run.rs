@@ -1,7 +1,7 @@
 //! A program on lanes: what it shows, made smaller as a program and told apart by its cause.
 
-use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
@@ -12,11 +12,12 @@ use super::print::{Printed, print};
 use super::program::{Expression, Form, Input, Language, Program, Type, Variable};
 use super::shrink::{about, shrink};
 use super::write::Folder;
-use crate::session::{Job, Observer, Session};
+use crate::check::{self, Check, One, Suites};
+use crate::session::{self, Join, Observer, Reached, Unlike};
 use crate::suite::parse;
-use crate::suite::run::{DEFAULT_SEED, Part, Peer, Prepared, Request, RunError, prepare};
+use crate::suite::run::{DEFAULT_SEED, Peer, Prepared, Report, Request, RunError, prepare};
 use base::text::SourceFile;
-use lanes::{LaneError, interrupt};
+use lanes::interrupt;
 
 /// Samples of a program.
 pub const SAMPLES: u64 = 64;
@@ -94,9 +95,19 @@ pub fn trial(
             return outcome;
         }
     };
-    let session = Session { translations, ..Session::new(peers.to_vec()) };
-    let mut watcher = Watcher { prepared: RefCell::new(Some(prepared)), asked, outcome };
-    let _ = session.run(1, &mut watcher);
+    let request = |prepared: &Prepared, peer: Peer<'_>| Request {
+        samples: Some(asked.samples),
+        seed: asked.seed,
+        quick: true,
+        replay: Vec::new(),
+        replay_only: false,
+        promises: peer.promises.clone(),
+        arguments: format!("{}.suite.toml", prepared.suite.name),
+    };
+    let one = One { prepared: Arc::new(prepared), request };
+    let mut check = Check { translations, ..Check::new(one, peers.to_vec()) };
+    let mut watcher = Watcher { outcome };
+    let Ok(_) = session::run(&mut check, None, Reached::default(), &mut watcher);
     let mut outcome = watcher.outcome;
     if program.folds() {
         outcome.events.retain(|event| event.kind != EventKind::Translation);
@@ -105,59 +116,39 @@ pub fn trial(
     outcome
 }
 
-struct Watcher<'a> {
-    prepared: RefCell<Option<Prepared>>,
-    asked: &'a Asked,
+struct Watcher {
     outcome: Outcome,
 }
 
-impl Observer for Watcher<'_> {
-    type Error = std::convert::Infallible;
-
-    fn prepare(&mut self, _: usize) -> Result<Option<Prepared>, Self::Error> {
-        Ok(self.prepared.borrow_mut().take())
-    }
-
-    fn request(&mut self, _: usize, prepared: &Prepared, peer: Peer<'_>) -> Result<Request, Self::Error> {
-        Ok(Request {
-            samples: Some(self.asked.samples),
-            seed: self.asked.seed,
-            quick: true,
-            replay: Vec::new(),
-            replay_only: false,
-            promises: peer.promises.clone(),
-            arguments: format!("{}.suite.toml", prepared.suite.name),
-        })
-    }
-
-    fn end(&mut self, job: &Job<'_>, result: Result<&Part, LaneError>) -> Result<(), Self::Error> {
-        if let Err(error) = result {
-            self.outcome.events.push(cause::of_failure(job.peer.name(), &error));
+impl<S: Suites> Observer<Check<'_, S>> for Watcher {
+    fn event(&mut self, event: check::Event<'_>) -> Result<(), S::Error> {
+        match event {
+            check::Event::Ended(task, Err(error)) => {
+                self.outcome.events.push(cause::of_failure(task.peer.name(), &error));
+            }
+            check::Event::Suite(_, _, parts) => parts.iter().cloned().for_each(|part| self.outcome.add(part.report())),
+            check::Event::Prepared(..) | check::Event::Begun(_) | check::Event::Ended(_, Ok(_)) => {}
         }
         Ok(())
     }
+}
 
-    fn suite(&mut self, _: usize, _: &Prepared, parts: Vec<Part>) -> Result<(), Self::Error> {
-        for part in parts {
-            let report = part.report();
-            self.outcome.agreed += report.verdicts.agreed;
-            self.outcome.undetermined += report.verdicts.undetermined_count();
-            *self.outcome.lanes.entry(report.lane.to_owned()).or_default() += report.verdicts.seen();
-            if let Some(why) = &report.unsupported_because {
-                self.outcome.refused.push((report.lane.to_owned(), why.clone()));
-                self.outcome.events.extend(cause::of_panic(why));
-            }
-            for translated in &report.translations {
-                if let Some(why) = &translated.unsupported {
-                    self.outcome.refused.push((translated.language.to_string(), why.clone()));
-                    self.outcome.events.extend(cause::of_panic(why));
-                }
-            }
-            self.outcome
-                .events
-                .extend(report.findings.iter().filter_map(|finding| cause::of_finding(&report, finding)));
+impl Outcome {
+    fn add(&mut self, report: Report) {
+        self.agreed += report.verdicts.agreed;
+        self.undetermined += report.verdicts.undetermined_count();
+        *self.lanes.entry(report.lane.to_owned()).or_default() += report.verdicts.seen();
+        if let Some(why) = &report.unsupported_because {
+            self.refused.push((report.lane.to_owned(), why.clone()));
+            self.events.extend(cause::of_panic(why));
         }
-        Ok(())
+        for translated in &report.translations {
+            if let Some(why) = &translated.unsupported {
+                self.refused.push((translated.language.to_string(), why.clone()));
+                self.events.extend(cause::of_panic(why));
+            }
+        }
+        self.events.extend(report.findings.iter().filter_map(|finding| cause::of_finding(&report, finding)));
     }
 }
 
@@ -356,8 +347,14 @@ impl Found {
         })
     }
 
-    /// Adds what another part of the run found.
-    pub fn join(&mut self, other: Self) {
+    /// True where something is wrong.
+    pub fn fails(&self) -> bool {
+        !self.causes.is_empty()
+    }
+}
+
+impl Join for Found {
+    fn join(&mut self, other: Self) -> Result<(), Unlike> {
         self.programs += other.programs;
         self.agreed += other.agreed;
         self.undetermined += other.undetermined;
@@ -387,10 +384,6 @@ impl Found {
         }
         self.causes.sort_by(|a, b| (a.program, &a.key).cmp(&(b.program, &b.key)));
         self.coarse.extend(other.coarse);
-    }
-
-    /// True where something is wrong.
-    pub fn fails(&self) -> bool {
-        !self.causes.is_empty()
+        Ok(())
     }
 }

@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 
 use super::*;
 use crate::adversary::{Adversary, Fault, Strategy};
+use crate::session::Join;
 use crate::suite::run::Peer;
 use judge::profile::{Op, Promises, by_name};
 use lanes::Stage;
@@ -140,7 +141,7 @@ fn parts_together_are_the_whole() {
     let whole = on_a_device(fault, 60);
     for order in [[0, 1], [1, 0]] {
         let mut joined = part(order[0]);
-        joined.join(part(order[1]));
+        joined.join(part(order[1])).unwrap();
         assert_eq!((joined.programs, joined.agreed, joined.lanes.clone()), (60, whole.agreed, whole.lanes.clone()));
         let told = |found: &Found| found.causes.iter().map(|c| (c.key.clone(), c.count, c.program)).collect::<Vec<_>>();
         assert_eq!(told(&joined), told(&whole));

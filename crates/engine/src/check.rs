@@ -1,0 +1,295 @@
+//! The job of `check`: suites on lanes, in stages or from sources of inputs. Each suite in one way on one lane is a task,
+//! whose result is a [`Part`] that can be joined with those of other shards.
+
+use std::cell::RefCell;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::session::{self, Reached};
+use crate::shard::Shard;
+use crate::suite::Suite;
+use crate::suite::run::{
+    Entry, Outcome, Part, Peer, Prepared, Request, RunError, Sampled, Share, Way, cross_check, max_samples, run_part,
+    stage_of,
+};
+use judge::profile::Promises;
+use lanes::{Lane, LaneError, Stage, embedded, interrupt};
+use program::InputSource;
+
+/// Suites on lanes.
+#[derive(Clone)]
+pub struct Check<'a, S> {
+    /// The suites.
+    pub suites: S,
+    /// The lanes, in the order in which they run.
+    pub peers: Vec<Peer<'a>>,
+    /// Only this stage of each lane.
+    pub stage: Option<Stage>,
+    /// Inputs from these sources in turn, in place of the usual run of each stage.
+    pub sources: Option<&'a [InputSource]>,
+    /// Which part of the samples, handed over as a whole. `None` for a whole run, of which what was judged until it is
+    /// interrupted is of use.
+    pub shard: Option<Shard>,
+    /// Whether the shader's translations are compared as well, once for each suite.
+    pub translations: bool,
+}
+
+/// The suites of a run, by their places in it.
+pub trait Suites {
+    /// What ends the run.
+    type Error;
+
+    /// How many there are.
+    fn count(&self) -> usize;
+
+    /// Makes one ready.
+    ///
+    /// # Errors
+    /// Why it cannot run.
+    fn prepare(&self, suite: usize) -> Result<Arc<Prepared>, RunError>;
+
+    /// What is asked of it on a lane.
+    ///
+    /// # Errors
+    /// What ends the run.
+    fn request(&self, suite: usize, prepared: &Prepared, peer: Peer<'_>) -> Result<Request, Self::Error>;
+}
+
+/// A suite in one stage of one lane, with inputs from one source.
+pub struct Task<'a> {
+    /// Place of the suite in the run, from 0.
+    pub suite: usize,
+    /// The suite.
+    pub prepared: &'a Prepared,
+    /// The lane.
+    pub peer: Peer<'a>,
+    /// Stage and source.
+    pub way: Way,
+    /// What the run is asked for.
+    pub request: &'a Request,
+    /// Samples that are generated.
+    pub samples: u64,
+}
+
+impl Task<'_> {
+    /// The place of its result in a report.
+    pub fn entry(&self, outcome: Outcome) -> Entry {
+        let (suite, shader) = (self.prepared.suite.name.clone(), self.prepared.shader.clone());
+        Entry { suite, shader, on: Some((self.peer.name(), self.way.0)), outcome }
+    }
+}
+
+/// What came of the suites.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Found {
+    /// What each task found that did not fail.
+    pub parts: Vec<Part>,
+    /// For each of these, the place of its suite.
+    pub of: Vec<usize>,
+    /// How far the task behind them is.
+    under_way: Option<Sampled>,
+}
+
+/// What happens in a run.
+pub enum Event<'e> {
+    /// A suite is ready, or cannot run.
+    Prepared(usize, Result<&'e Prepared, RunError>),
+    /// A task begins, or goes on.
+    Begun(&'e Task<'e>),
+    /// A task ended, or the lane failed. What was done before does not end again.
+    Ended(&'e Task<'e>, Result<&'e Part, LaneError>),
+    /// A suite ran in all ways, and its lanes were asked about each other's deviations: the results of all its tasks that
+    /// did not fail, in their order. Where the run is interrupted, those until then.
+    Suite(usize, &'e Prepared, &'e [Part]),
+}
+
+type Watcher<'w, 'a, S> = dyn session::Observer<Check<'a, S>> + 'w;
+
+impl<'a, S: Suites> Check<'a, S> {
+    /// Runs all stages of these lanes.
+    pub fn new(suites: S, peers: Vec<Peer<'a>>) -> Self {
+        Self { suites, peers, stage: None, sources: None, shard: None, translations: false }
+    }
+
+    /// The ways in which a suite runs on a lane: stages, or sources of inputs where these are asked for.
+    pub fn ways(&self, suite: &Suite, lane: &dyn Lane) -> Vec<Way> {
+        let admitted = |(stage, _): &Way| self.stage.is_none_or(|asked| asked == *stage);
+        match self.sources {
+            // Sources are ways into a compute stage; a lane without one takes its inputs in one way.
+            Some(_) if !lane.description().stages.contains(&Stage::Compute) => Vec::new(),
+            Some(sources) => sources.iter().map(|&s| (stage_of(s), Some(s))).filter(admitted).collect(),
+            None => suite.stages(lane).into_iter().map(|stage| (stage, None)).filter(admitted).collect(),
+        }
+    }
+
+    /// Runs the suite behind the `first` parts on one lane; breaks off when it is interrupted. `earlier` has what was done
+    /// of it before.
+    fn on(
+        &self,
+        peer: Peer<'_>,
+        (suite, prepared, first): (usize, &Prepared, usize),
+        earlier: &mut dyn Iterator<Item = Part>,
+        at: &mut Reached<Found>,
+        observer: &mut Watcher<'_, 'a, S>,
+    ) -> Result<ControlFlow<(), bool>, S::Error> {
+        let request = self.suites.request(suite, prepared, peer)?;
+        let mut untranslated = false;
+        for way in self.ways(&prepared.suite, peer.lane) {
+            if interrupt::asked() {
+                return Ok(ControlFlow::Break(()));
+            }
+            let most = way.1.map_or(u64::MAX, |source| max_samples(prepared, source));
+            let samples = request.samples_of(&prepared.suite).min(most) / self.shard.map_or(1, Shard::count);
+            let task = Task { suite, prepared, peer, way, request: &request, samples };
+            if let Some(part) = earlier.next() {
+                at.part.add(suite, part);
+                continue;
+            }
+            observer.event(Event::Begun(&task))?;
+            match self.task(&task, at, observer)? {
+                // A device that is given up because the run ends has not failed.
+                Err(_) | Ok(None) if interrupt::asked() => return Ok(ControlFlow::Break(())),
+                Err(error) => {
+                    untranslated |= matches!(error, LaneError::Translator(_));
+                    observer.event(Event::Ended(&task, Err(error)))?;
+                }
+                Ok(part) => {
+                    let Some(mut part) = part else { return Ok(ControlFlow::Break(())) };
+                    // Translations have no lane: the first part of a suite bears what is found out about them.
+                    let whole = self.shard.is_some() || !interrupt::asked();
+                    let is_first = at.part.parts.len() == first && self.shard.is_none_or(Shard::is_first);
+                    if is_first && self.translations && whole {
+                        part.check_translations(prepared, &request);
+                    }
+                    observer.event(Event::Ended(&task, Ok(&part)))?;
+                    at.part.under_way = None;
+                    at.part.add(suite, part);
+                    observer.checkpoint(at)?;
+                }
+            }
+        }
+        Ok(ControlFlow::Continue(untranslated))
+    }
+
+    /// Runs a task; gives nothing when it is interrupted.
+    fn task(
+        &self,
+        task: &Task<'_>,
+        at: &mut Reached<Found>,
+        observer: &mut Watcher<'_, 'a, S>,
+    ) -> Result<Result<Option<Part>, LaneError>, S::Error> {
+        let mut failed = None;
+        let resume = at.part.under_way.take();
+        let observer = RefCell::new(observer);
+        let mut save = |sampled: &Sampled| {
+            // A whole run has no checkpoints.
+            if self.shard.is_none() {
+                return ControlFlow::Continue(());
+            }
+            at.part.under_way = Some(sampled.clone());
+            match observer.borrow_mut().checkpoint(at) {
+                Ok(()) if interrupt::asked() => ControlFlow::Break(()),
+                Ok(()) => ControlFlow::Continue(()),
+                Err(error) => {
+                    failed = Some(error);
+                    ControlFlow::Break(())
+                }
+            }
+        };
+        let share =
+            Share { shard: self.shard.unwrap_or(Shard::WHOLE), resume, save: &mut save, partial: self.shard.is_none() };
+        let mut progress = |done| observer.borrow_mut().progress(done);
+        let part = run_part(task.prepared, task.peer.lane, task.way, task.request, share, &mut progress);
+        failed.map_or(Ok(part), Err)
+    }
+}
+
+impl Found {
+    fn add(&mut self, suite: usize, part: Part) {
+        self.parts.push(part);
+        self.of.push(suite);
+    }
+}
+
+impl<'a, S: Suites> session::Job for Check<'a, S> {
+    type Unit = usize;
+    type Part = Found;
+    type Error = S::Error;
+    type Event<'e> = Event<'e>;
+
+    const SHARED_WITHIN: bool = true;
+
+    fn unit(
+        &mut self,
+        number: u64,
+        _: &mut Reached<Found>,
+        _: &mut dyn session::Observer<Self>,
+    ) -> Result<Option<usize>, S::Error> {
+        Ok(Some(number as usize).filter(|suite| *suite < self.suites.count()))
+    }
+
+    fn run(
+        &mut self,
+        (_, suite): (u64, usize),
+        at: &mut Reached<Found>,
+        observer: &mut dyn session::Observer<Self>,
+    ) -> Result<(), S::Error> {
+        let prepared = match self.suites.prepare(suite) {
+            Ok(prepared) => prepared,
+            Err(error) => return observer.event(Event::Prepared(suite, Err(error))),
+        };
+        observer.event(Event::Prepared(suite, Ok(&prepared)))?;
+        // What was done of it before stands in its place again, task by task.
+        let first = at.part.of.partition_point(|&of| of < suite);
+        at.part.of.truncate(first);
+        let mut earlier = at.part.parts.split_off(first).into_iter();
+        let this = (suite, &*prepared, first);
+        let mut untranslated = false;
+        for &peer in &self.peers {
+            match self.on(peer, this, &mut earlier, at, observer)? {
+                ControlFlow::Continue(failed) => untranslated |= failed,
+                ControlFlow::Break(()) => break,
+            }
+        }
+        // Where a translator fails in front of every device, what the shader means is held against what is expected all the
+        // same: the interpreter needs no translator.
+        let judged = |part: &Part| part.judged() > 0;
+        let none = !at.part.parts[first..].iter().any(judged);
+        let alone = untranslated && none && self.shard.is_none() && !interrupt::asked();
+        if let Some(lane) = alone.then(embedded::open).and_then(Result::ok) {
+            let promises = Promises::of_lane(lane.description());
+            let peer = Peer { lane: &*lane, promises: &promises };
+            let _ = self.on(peer, this, &mut earlier, at, observer)?;
+        }
+        if !interrupt::asked() {
+            cross_check(&prepared, &self.peers, &mut at.part.parts[first..]);
+        }
+        observer.event(Event::Suite(suite, &prepared, &at.part.parts[first..]))
+    }
+}
+
+/// One suite that is ready, as the only one of a run.
+pub struct One<R> {
+    /// The suite.
+    pub prepared: Arc<Prepared>,
+    /// What is asked of it on a lane.
+    pub request: R,
+}
+
+impl<R: Fn(&Prepared, Peer<'_>) -> Request> Suites for One<R> {
+    type Error = std::convert::Infallible;
+
+    fn count(&self) -> usize {
+        1
+    }
+
+    fn prepare(&self, _: usize) -> Result<Arc<Prepared>, RunError> {
+        Ok(Arc::clone(&self.prepared))
+    }
+
+    fn request(&self, _: usize, prepared: &Prepared, peer: Peer<'_>) -> Result<Request, Self::Error> {
+        Ok((self.request)(prepared, peer))
+    }
+}
