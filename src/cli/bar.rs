@@ -4,8 +4,6 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use lanes::Stage;
-
 /// Progress of one thing after the other.
 pub struct Bar {
     bar: ProgressBar,
@@ -24,15 +22,15 @@ impl Bar {
         Self { bar }
     }
 
-    /// Begins a suite.
-    pub fn start(&mut self, suite: &str, lane: &str, stage: Stage, samples: u64) {
+    /// Begins something that has so many steps.
+    pub fn start(&self, what: &str, on: &str, steps: u64) {
         self.bar.reset();
-        self.bar.set_length(samples);
-        self.bar.set_message(format!("{suite} on {lane}/{stage}"));
+        self.bar.set_length(steps);
+        self.bar.set_message(format!("{what} on {on}"));
         self.bar.enable_steady_tick(Duration::from_millis(200));
     }
 
-    /// Samples done.
+    /// Steps done.
     pub fn at(&self, done: u64) {
         self.bar.set_position(done);
     }

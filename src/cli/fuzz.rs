@@ -1,6 +1,6 @@
 //! `shadercheck fuzz`: every function of a shader file on generated inputs, without a suite.
 
-mod shared;
+mod job;
 mod stub;
 
 use std::io::Write;
@@ -9,7 +9,6 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use clap::Args;
 
-use super::bar::Bar;
 use super::below;
 use super::check::Format;
 use super::check::shell_word;
@@ -17,19 +16,18 @@ use super::compose::ComposeArgs;
 use super::hosts::Hosts;
 use super::includes::{self, IncludedText};
 use super::inputs::InputArgs;
-use crate::cli::shard::ShardArgs;
+use crate::cli::shard::{Printing, ShardArgs, Terminal};
 use crate::cli::status::ExitStatus;
 use crate::cli::waiting::Waiting;
-use base::diagnostic::{Diagnostic, Lang, Severity};
+use base::diagnostic::{Diagnostic, Severity};
 use base::{did_you_mean, nearest};
-use engine::fuzz::{self, BadHint, Domain, FunctionReport, Request, Stated, Subject};
+use engine::fuzz::{self, BadHint, Domain, Stated, Subject};
 use judge::profile::Promises;
-use lanes::{Lane, Stage, StandIn, Wanted, interrupt};
-
+use lanes::{Lane, StandIn, Wanted};
 use program::{ProgramError, Written};
-use report::fuzz::{FileReport, Summary, findings, json, line, totals};
 
-pub use shared::ShardResult;
+pub use job::ShardResult;
+use job::{Functions, Lines};
 
 /// Samples of a function, when none are asked for.
 const SAMPLES: u64 = 1 << 16;
@@ -148,87 +146,17 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     if let Some(printed) = printed.filter(|_| args.write_suite) {
         anyhow::bail!("--write-suite writes a suite beside a shader file, and {} stands in another file", printed.name);
     }
-    let mut summary = Summary { seed: args.input.seed, ..Summary::default() };
-    let lanes = open_lanes(args, &mut summary)?;
-    let lanes: Vec<(&dyn Lane, Promises)> =
-        lanes.iter().map(|lane| (lane.as_ref(), Promises::of_lane(lane.description()))).collect();
-    let mut inputs = Inputs::new(&stated);
-    let mut known: Vec<String> = Vec::new();
-    if let Some(shard) = shard {
-        let mut files = Vec::new();
-        for source in &sources {
-            for note in source.notes() {
-                writeln!(err, "note: {note}")?;
-            }
-            let (errors, subjects) = subjects((&args.function, &args.input.define), source, &mut known)?;
-            for error in &errors {
-                err.write_all(report::diagnostics::text(error, Lang::En, false).as_bytes())?;
-            }
-            anyhow::ensure!(
-                errors.is_empty(),
-                "`{}` does not compile, so that no part of the run can be done",
-                source.name
-            );
-            files.push((source, subjects));
-        }
-        all_known(&args.function, &known)?;
-        return shared::run(args, shard, &files, &lanes, &mut inputs, summary, out, err);
-    }
-    let mut progress = Bar::new(args.format == Format::Text);
-    for source in &sources {
-        for note in source.notes().iter().filter(|_| args.format == Format::Text) {
-            progress.suspend(|| writeln!(err, "note: {note}"))?;
-        }
-        let mut printed = Printed { out, args, color, many: sources.len() > 1 };
-        let report = one_file(args, source, &lanes, &mut inputs, &mut known, &mut progress, &mut printed)?;
-        summary.files.push(report);
-        if interrupt::asked() {
-            break;
-        }
-    }
-    progress.finish();
-    summary.interrupted = interrupt::signal();
-    if summary.totals().broken == 0 && summary.interrupted.is_none() {
-        all_known(&args.function, &known)?;
-    }
-    if summary.interrupted.is_none() {
-        inputs.all_used()?;
-    }
-    match args.format {
-        Format::Text => {
-            for file in &summary.files {
-                out.write_all(findings(file, args.notes, color).as_bytes())?;
-            }
-            writeln!(out)?;
-            out.write_all(totals(&summary, args.notes, color).as_bytes())?;
-        }
-        Format::Json => out.write_all(json(&summary).as_bytes())?,
-    }
-    if args.write_suite {
-        stub::write(&sources, &summary, err)?;
-    }
-    out.flush()?;
-    status_of(&summary, err)
-}
-
-fn status_of(summary: &Summary, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
-    let totals = summary.totals();
-    let shortcomings = summary.shortcomings();
-    for shortcoming in &shortcomings {
-        writeln!(err, "error: {shortcoming}")?;
-    }
-    Ok(if let Some(signal) = summary.interrupted {
-        ExitStatus::Interrupted(signal)
-    } else if !shortcomings.is_empty() {
-        ExitStatus::Error
-    } else if totals.findings + totals.broken > 0 {
-        ExitStatus::Findings
-    } else if totals.run == 0 {
-        writeln!(err, "error: nothing could be run")?;
-        ExitStatus::Error
-    } else {
-        ExitStatus::Clean
-    })
+    let (part, lanes) = open_lanes(args)?;
+    let lanes = lanes.iter().map(|lane| (lane.as_ref(), Promises::of_lane(lane.description()))).collect();
+    let text = args.format == Format::Text;
+    let terminal = Terminal::new(!text, out, err);
+    let (whole, many) = (shard.is_none(), sources.len() > 1);
+    let mut lines = Lines { terminal, args, sources: &sources, color, many, text, whole, told: 0 };
+    let mut functions = Functions::new(args, &sources, lanes, Inputs::new(&stated), whole);
+    let used = part.lanes().to_vec();
+    let key = |shards| job::identity(args, shards, &sources, &used);
+    let printing = Printing { json: !text, color, ..Printing::default() };
+    args.sharing.run(&mut functions, part, key, &mut lines, printing)
 }
 
 /// Every function that is asked for has to be there.
@@ -242,48 +170,6 @@ pub(super) fn all_known(functions: &[String], known: &[String]) -> anyhow::Resul
 /// The name of a function without the types of its parameters.
 fn base(label: &str) -> &str {
     label.split('(').next().unwrap_or(label)
-}
-
-/// Where lines go while functions run.
-struct Printed<'a> {
-    out: &'a mut dyn Write,
-    args: &'a FuzzArgs,
-    color: bool,
-    many: bool,
-}
-
-fn one_file(
-    args: &FuzzArgs,
-    source: &IncludedText,
-    lanes: &[(&dyn Lane, Promises)],
-    inputs: &mut Inputs<'_>,
-    known: &mut Vec<String>,
-    progress: &mut Bar,
-    printed: &mut Printed<'_>,
-) -> anyhow::Result<FileReport> {
-    let mut report = FileReport { file: source.name.clone(), notes: source.notes(), ..FileReport::default() };
-    let text = printed.args.format == Format::Text;
-    if text && printed.many {
-        progress.suspend(|| writeln!(printed.out, "{}", source.name))?;
-    }
-    let subjects;
-    (report.errors, subjects) = self::subjects((&args.function, &args.input.define), source, known)?;
-    for subject in &subjects {
-        let domain = inputs.domain(subject)?;
-        let function = one_function(args, source, subject, &domain, lanes, progress)?;
-        if text {
-            // What is known stays known where a limit of time ends the run.
-            progress.suspend(|| {
-                printed.out.write_all(line(&function, printed.color).as_bytes())?;
-                printed.out.flush()
-            })?;
-        }
-        report.functions.push(function);
-        if interrupt::asked() {
-            break;
-        }
-    }
-    Ok(report)
 }
 
 /// What is wrong with a file, or else the functions of it that are to be run.
@@ -340,28 +226,6 @@ pub(super) fn subjects(
     }
     known.extend(subjects.iter().map(|s| s.label.clone()));
     Ok((errors, subjects))
-}
-
-fn one_function(
-    args: &FuzzArgs,
-    source: &IncludedText,
-    subject: &Subject,
-    domain: &Domain,
-    lanes: &[(&dyn Lane, Promises)],
-    progress: &mut Bar,
-) -> anyhow::Result<FunctionReport> {
-    progress.start(&subject.label, if args.all_lanes { "all lanes" } else { "lanes" }, Stage::Compute, args.samples);
-    let request = Request {
-        samples: args.samples,
-        seed: args.input.seed,
-        case: args.case.clone(),
-        notes: args.notes,
-        hostile: args.hostile,
-        strict_integers: args.strict_integers,
-        first_lane: args.lane.is_empty() && !args.all_lanes,
-        command: command(args, source),
-    };
-    fuzz::run(subject, domain, lanes, &request).map_err(|why| anyhow::anyhow!("--case: {why}"))
 }
 
 /// The command line up to the function.
@@ -436,15 +300,12 @@ impl<'a> Inputs<'a> {
     }
 }
 
-/// Opens the lanes that are asked for, or all.
-fn open_lanes(args: &FuzzArgs, summary: &mut Summary) -> anyhow::Result<Vec<Box<dyn Lane>>> {
+/// Opens the lanes that are asked for, or all; with what is found before any function ran.
+fn open_lanes(args: &FuzzArgs) -> anyhow::Result<(ShardResult, Vec<Box<dyn Lane>>)> {
     let opened = Wanted { stand_in: StandIn::Beside, ..Wanted::named(&args.lane) }.open()?;
-    summary.asked.clone_from(&args.lane);
-    summary.lanes = opened.lanes.iter().map(|lane| lane.description().clone()).collect();
     if opened.lanes.is_empty() {
         let missing: Vec<String> = opened.missing.iter().map(|(n, e)| format!("lane `{n}`: {e}")).collect();
         anyhow::bail!("no lane is available, so nothing was run: {}", missing.join("; "));
     }
-    summary.unavailable = opened.missing;
-    Ok(opened.lanes)
+    Ok((ShardResult::nothing(&args.lane, &opened.lanes, opened.missing), opened.lanes))
 }

@@ -7,11 +7,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
-use serde::Serialize;
-use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::check::Format;
+use super::shard::{Printed, Printing};
 use super::status::ExitStatus;
 use super::{calibrate, check, fuzz, mutate, refdata, torture};
 use base::text::Shown;
@@ -42,28 +41,6 @@ pub struct MergeArgs {
     /// Format of the result
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
-}
-
-/// What the shards of a command found. Joining is associative, and its order does not matter.
-pub trait Joined: Serialize + DeserializeOwned {
-    /// Adds what another shard found.
-    ///
-    /// # Errors
-    /// When the two are not of one run after all.
-    fn join(&mut self, other: Self) -> anyhow::Result<()>;
-
-    /// Prints what all shards found like the run without shards, and gives its status.
-    ///
-    /// # Errors
-    /// When it cannot be written.
-    fn print(
-        self,
-        identity: &Identity,
-        json: bool,
-        color: bool,
-        out: &mut dyn Write,
-        err: &mut dyn Write,
-    ) -> anyhow::Result<ExitStatus>;
 }
 
 /// A result and the file that it was read from.
@@ -144,7 +121,7 @@ struct Merge<'a> {
 }
 
 impl Merge<'_> {
-    fn of<T: Joined>(self, all: Vec<Read>, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
+    fn of<T: Printed>(self, all: Vec<Read>, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
         let mut joined: Option<T> = None;
         for (file, sealed) in all {
             let found: T =
@@ -164,7 +141,8 @@ impl Merge<'_> {
             writeln!(err, "note: {}", missing_parts(&self.missing, &self.identity, self.paths))?;
             return Ok(ExitStatus::Clean);
         }
-        let status = joined.print(&self.identity, self.args.format == Format::Json, self.color, out, err)?;
+        let printing = Printing { json: self.args.format == Format::Json, color: self.color, ..Printing::default() };
+        let status = joined.print(&self.identity, printing, out, err)?;
         out.flush()?;
         Ok(status)
     }

@@ -1,30 +1,27 @@
 //! `shadercheck mutate`: mutation testing of shaders and their suites.
 
-mod shared;
-
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
+use serde::{Deserialize, Serialize};
 
-use super::bar::Bar;
 use super::check::Format;
 use super::check::select::{self, Selected};
-use crate::cli::shard::ShardArgs;
+use crate::cli::shard::{Printed, Printing, ShardArgs, Terminal};
 use crate::cli::status::ExitStatus;
 use base::diagnostic::Lang;
 use base::did_you_mean;
-use base::text::{Shown, SourceFile};
+use base::text::{Shown, fingerprint};
 use engine::mutate::operators::{by_name, registry};
-use engine::mutate::{MutateError, Operator, Request, SuiteResult, run as run_suite};
-use engine::shard::Shard;
+use engine::mutate::{MutateError, Operator, Request, SuiteResult, Tested, run as run_suite};
+use engine::session::{Job, Join, Observer, Reached, Seen, Unlike};
+use engine::shard::{Identity, Shard};
 use engine::suite::run::{DEFAULT_SEED, RunError, signal_name};
 use lanes::{Lane, Stage, interrupt, open_first};
 use report::diagnostics;
 use report::mutate::{Summary, json, text};
-
-pub use shared::ShardResult;
 
 /// Samples of a mutant that nothing kills, when none are asked for.
 const SAMPLES: u64 = 1 << 16;
@@ -88,7 +85,7 @@ pub fn run(args: &MutateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyho
     }
     let shard = args.sharing.shard()?;
     let operators = operators(&args.operator)?;
-    let selected = select(&args.suites, args.shipped)?;
+    let mut selected = select(&args.suites, args.shipped)?;
     anyhow::ensure!(
         args.shader.is_none() || selected.len() == 1,
         "--shader needs exactly one suite, and {} are chosen",
@@ -98,75 +95,211 @@ pub fn run(args: &MutateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyho
         let missing = missing.iter().map(|(name, why)| format!("lane `{name}` is not available: {why}"));
         anyhow::anyhow!("{}", missing.collect::<Vec<_>>().join("; "))
     })?;
-    let description = lane.description().clone();
-    let mut summary = Summary {
-        seed: args.seed,
-        lane: format!("{}/{} ({})", description.name, Stage::Compute, description.driver),
-        ..Summary::default()
-    };
-    let request = Request { samples: args.samples, seed: args.seed, operators, shard: shard.unwrap_or(Shard::WHOLE) };
-    let work = Work { args, selected: &selected, lane: lane.as_ref(), request };
-    if let Some(shard) = shard {
-        return shared::run(&work, shard, &summary.lane, out, err);
+    if let Some(path) = &args.shader {
+        let shader = super::translate::read(path)?;
+        selected.iter_mut().for_each(|one| one.shader = shader.clone());
     }
-    let mut progress = Bar::new(args.format == Format::Text);
-    for one in &selected {
-        match work.suite(one, &mut progress)? {
-            Err(_) if interrupt::asked() => {}
-            Ok(result) => summary.suites.push(result),
-            // Its other sizes are mutated.
-            Err(error @ MutateError::Large { .. }) if selected.len() > 1 => {
-                progress.suspend(|| writeln!(err, "note: {error}"))?;
-            }
-            Err(error) => {
-                progress.suspend(|| {
-                    diagnostics_of(&error).try_for_each(|text| err.write_all(text.as_bytes()))?;
-                    writeln!(err, "error: {error}")
-                })?;
-                summary.failed.push((one.suite.name.clone(), error.to_string()));
-            }
-        }
-        if interrupt::asked() {
-            break;
-        }
+    let description = lane.description();
+    let on = format!("{}/{} ({})", description.name, Stage::Compute, description.driver);
+    let shard = shard.unwrap_or(Shard::WHOLE);
+    let request = Request { samples: args.samples, seed: args.seed, operators, shard };
+    let mut work = Work { selected: &selected, lane: lane.as_ref(), request };
+    let printing = Printing { json: args.format == Format::Json, ..Printing::default() };
+    let part = ShardResult { lane: on.clone(), suites: Vec::new() };
+    let key = |shards| identity(args, shards, &on, &selected);
+    args.sharing.run(&mut work, part, key, &mut Terminal::new(printing.json, out, err), printing)
+}
+
+/// Everything that the result of a run depends on.
+fn identity(args: &MutateArgs, shards: u64, lane: &str, selected: &[Selected]) -> Identity {
+    let mut identity = Identity::new("mutate", args.seed, shards)
+        .with("--samples", args.samples)
+        .with("--operator", args.operator.join(","))
+        .with(FLOOR, args.floor)
+        .with("lane", lane);
+    for one in selected {
+        let text = fingerprint(&format!("{}\n{:?}", one.shader.text(), one.suite));
+        identity = identity.with(&format!("suite `{} ({})`", one.suite.name, one.argument), format!("{text:016x}"));
     }
-    progress.finish();
-    match interrupt::signal() {
-        Some(signal) => interrupted(&summary, signal, args.format, (out, err)),
-        None => conclude(&summary, args.floor, args.format == Format::Json, out),
-    }
+    identity
 }
 
 /// What is to be done: the mutants of suites on a lane.
 struct Work<'a> {
-    args: &'a MutateArgs,
     selected: &'a [Selected],
     lane: &'a dyn Lane,
     request: Request,
 }
 
-impl Work<'_> {
-    /// The shader that is mutated under a suite.
-    fn shader(&self, selected: &Selected) -> anyhow::Result<SourceFile> {
-        match &self.args.shader {
-            Some(path) => super::translate::read(path),
-            None => Ok(selected.shader.clone()),
+impl Job for Work<'_> {
+    type Unit = usize;
+    type Part = ShardResult;
+    type Error = anyhow::Error;
+    type Event<'e> = Seen<'e>;
+
+    const SHARED_WITHIN: bool = true;
+
+    fn unit(
+        &mut self,
+        number: u64,
+        _: &mut Reached<ShardResult>,
+        _: &mut dyn Observer<Self>,
+    ) -> anyhow::Result<Option<usize>> {
+        Ok(Some(number as usize).filter(|suite| *suite < self.selected.len()))
+    }
+
+    fn run(
+        &mut self,
+        (_, suite): (u64, usize),
+        at: &mut Reached<ShardResult>,
+        observer: &mut dyn Observer<Self>,
+    ) -> anyhow::Result<()> {
+        let Selected { suite, shader, .. } = &self.selected[suite];
+        let (what, on) = (&*suite.name, self.lane.description().name);
+        observer.event(Seen::Begun { what, on, steps: 0 })?;
+        let (mut reported, mut told) = (0, Ok(()));
+        let result = run_suite(suite, shader, self.lane, &self.request, &mut |done, all| {
+            if reported != all {
+                reported = all;
+                told = observer.event(Seen::Begun { what, on, steps: all as u64 });
+            }
+            observer.progress(done as u64);
+        });
+        told?;
+        let shared = match result {
+            Ok(result) => Shared::tested(self.request.shard, result),
+            Err(_) if interrupt::asked() => return Ok(()),
+            // Its other sizes are mutated.
+            Err(error @ MutateError::Large { .. }) if self.selected.len() > 1 => Shared::Large(error.to_string()),
+            Err(error) => {
+                let (suite, shown) = (suite.name.clone(), diagnostics_of(&error).collect());
+                Shared::Failed { suite, why: error.to_string(), shown }
+            }
+        };
+        if let Some(said) = shared.said() {
+            observer.event(Seen::Said(&said))?;
+        }
+        at.part.suites.push(shared);
+        Ok(())
+    }
+}
+
+/// The name of the parameter with the lowest score that is no finding.
+const FLOOR: &str = "--floor";
+
+/// What came of suites.
+#[derive(Debug, Default, Serialize, Deserialize)]
+pub struct ShardResult {
+    lane: String,
+    suites: Vec<Shared>,
+}
+
+/// What came of a suite.
+#[derive(Debug, Serialize, Deserialize)]
+enum Shared {
+    /// Mutants, each with its number in the suite.
+    Tested { suite: String, shader: String, samples: u64, tested: Vec<(u64, Tested)> },
+    /// No score can be given: the suite, why, and what is wrong with its shader.
+    Failed { suite: String, why: String, shown: String },
+    /// Too large to be mutated, which is said, since its other sizes are.
+    Large(String),
+}
+
+impl Shared {
+    /// The mutants of a shard.
+    fn tested(shard: Shard, SuiteResult { suite, shader, samples, tested }: SuiteResult) -> Self {
+        let numbers = (0_u64..).map(|k| k * shard.count() + shard.index());
+        Self::Tested { suite, shader, samples, tested: numbers.zip(tested).collect() }
+    }
+
+    /// What is said of it beside the report.
+    fn said(&self) -> Option<String> {
+        match self {
+            Self::Tested { .. } => None,
+            Self::Failed { why, shown, .. } => Some(format!("{shown}error: {why}\n")),
+            Self::Large(why) => Some(format!("note: {why}\n")),
         }
     }
 
-    /// Runs the mutants of a suite.
-    fn suite(&self, selected: &Selected, progress: &mut Bar) -> anyhow::Result<Result<SuiteResult, MutateError>> {
-        let (suite, shader) = (&selected.suite, self.shader(selected)?);
-        let name = self.lane.description().name;
-        progress.start(&suite.name, name, Stage::Compute, 0);
-        let mut reported = 0;
-        Ok(run_suite(suite, &shader, self.lane, &self.request, &mut |done, all| {
-            if reported != all {
-                reported = all;
-                progress.start(&suite.name, name, Stage::Compute, all as u64);
+    fn join(&mut self, other: Self) -> Result<(), Unlike> {
+        match (self, other) {
+            (Self::Tested { suite, tested, .. }, Self::Tested { suite: same, tested: more, .. }) if *suite == same => {
+                tested.extend(more);
+                tested.sort_by_key(|(number, _)| *number);
+                Ok(())
             }
-            progress.at(done as u64);
-        }))
+            (Self::Failed { suite, why, shown }, Self::Failed { suite: same, why: also, shown: more })
+                if *suite == same =>
+            {
+                // Of two reasons one, whichever shard comes first.
+                if also < *why {
+                    (*why, *shown) = (also, more);
+                }
+                Ok(())
+            }
+            (Self::Large(why), Self::Large(same)) => Unlike::unless(*why == same, "ran different suites"),
+            (Self::Tested { suite, .. } | Self::Failed { suite, .. } | Self::Large(suite), _) => {
+                Err(Unlike(format!("suite `{suite}` passed on some shards and failed on others")))
+            }
+        }
+    }
+}
+
+impl Join for ShardResult {
+    fn join(&mut self, other: Self) -> Result<(), Unlike> {
+        Unlike::unless(self.lane == other.lane, "ran on different lanes")?;
+        Unlike::unless(self.suites.len() == other.suites.len(), "ran different suites")?;
+        self.suites.iter_mut().zip(other.suites).try_for_each(|(one, other)| one.join(other))
+    }
+}
+
+impl Printed for ShardResult {
+    fn print(
+        self,
+        identity: &Identity,
+        printing: Printing,
+        out: &mut dyn Write,
+        err: &mut dyn Write,
+    ) -> anyhow::Result<ExitStatus> {
+        let mut summary = Summary { seed: identity.seed, lane: self.lane, ..Summary::default() };
+        for suite in self.suites {
+            if let Some(said) = suite.said().filter(|_| !printing.live) {
+                err.write_all(said.as_bytes())?;
+            }
+            match suite {
+                Shared::Tested { suite, shader, samples, tested } => {
+                    let tested = tested.into_iter().map(|(_, tested)| tested).collect();
+                    summary.suites.push(SuiteResult { suite, shader, samples, tested });
+                }
+                Shared::Failed { suite, why, .. } => summary.failed.push((suite, why)),
+                Shared::Large(_) => {}
+            }
+        }
+        let nothing = summary.failed.is_empty() && summary.score().all() == 0;
+        if nothing && printing.interrupted.is_none() {
+            anyhow::bail!(
+                "the chosen operators find nothing to change in the chosen shaders; choose others with --operator"
+            );
+        }
+        if printing.json {
+            out.write_all(json(&summary).as_bytes())?;
+        } else if !summary.suites.is_empty() {
+            out.write_all(text(&summary).as_bytes())?;
+        }
+        let floor = identity.parameters.get(FLOOR).and_then(|floor| floor.parse().ok()).unwrap_or(0.0);
+        let score = summary.score().share();
+        Ok(if let Some(signal) = printing.interrupted {
+            let name = signal_name(signal);
+            writeln!(err, "error: the run was interrupted by {name}; these are the mutants until then")?;
+            ExitStatus::Interrupted(signal)
+        } else if !summary.failed.is_empty() {
+            ExitStatus::Error
+        } else if score.map_or(floor > 0.0, |share| 100.0 * share < floor) {
+            // Where no mutant moved anything, there is no score that could reach the floor.
+            ExitStatus::Findings
+        } else {
+            ExitStatus::Clean
+        })
     }
 }
 
@@ -177,50 +310,6 @@ fn diagnostics_of(error: &MutateError) -> impl Iterator<Item = String> {
         _ => &[],
     };
     found.iter().map(|diagnostic| diagnostics::text(diagnostic, Lang::En, false))
-}
-
-/// Prints what was found until a signal came.
-fn interrupted(
-    summary: &Summary,
-    signal: u8,
-    format: Format,
-    (out, err): (&mut dyn Write, &mut dyn Write),
-) -> anyhow::Result<ExitStatus> {
-    if format == Format::Json {
-        out.write_all(json(summary).as_bytes())?;
-    } else if !summary.suites.is_empty() {
-        out.write_all(text(summary).as_bytes())?;
-    }
-    out.flush()?;
-    let name = signal_name(signal);
-    writeln!(err, "error: the run was interrupted by {name}; these are the mutants until then")?;
-    Ok(ExitStatus::Interrupted(signal))
-}
-
-/// Prints the result and gives the status.
-fn conclude(summary: &Summary, floor: f64, as_json: bool, out: &mut dyn Write) -> anyhow::Result<ExitStatus> {
-    if summary.failed.is_empty() && summary.score().all() == 0 {
-        anyhow::bail!(
-            "the chosen operators find nothing to change in the chosen shaders; choose others with --operator"
-        );
-    }
-    if as_json {
-        out.write_all(json(summary).as_bytes())?;
-    } else if !summary.suites.is_empty() {
-        out.write_all(text(summary).as_bytes())?;
-    }
-    out.flush()?;
-    let score = summary.score().share();
-    Ok(if !summary.failed.is_empty() {
-        ExitStatus::Error
-    } else if score.is_some_and(|share| 100.0 * share < floor) {
-        ExitStatus::Findings
-    } else if score.is_none() && floor > 0.0 {
-        // No mutant moved anything: there is no score that could reach the floor.
-        ExitStatus::Findings
-    } else {
-        ExitStatus::Clean
-    })
 }
 
 fn operators(names: &[String]) -> anyhow::Result<Vec<&'static Operator>> {

@@ -9,9 +9,11 @@ use clap::Args;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use crate::cli::bar::Bar;
 use crate::cli::status::ExitStatus;
 use base::text::Shown;
 use disk::fresh;
+use engine::session::{self, Job, Join, Observer, Reached, Seen};
 use engine::shard::{self, Identity, Sealed, Shard, Sort};
 use engine::suite::run::signal_name;
 use lanes::{self, Unavailable, interrupt};
@@ -29,7 +31,151 @@ pub struct ShardArgs {
     pub shard_dir: PathBuf,
 }
 
+/// How a result is printed.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Printing {
+    /// For programs, and not for people.
+    pub json: bool,
+    /// With colours.
+    pub color: bool,
+    /// What is printed while a run goes is there already.
+    pub live: bool,
+    /// The signal that ended the run.
+    pub interrupted: Option<u8>,
+}
+
+/// What a command found. It is printed by the same code after a run and after the merge of its parts.
+pub trait Printed: Join {
+    /// Prints what was found, and gives its status.
+    ///
+    /// # Errors
+    /// When it cannot be written, or nothing could be found.
+    fn print(
+        self,
+        identity: &Identity,
+        printing: Printing,
+        out: &mut dyn Write,
+        err: &mut dyn Write,
+    ) -> anyhow::Result<ExitStatus>;
+}
+
+/// Where a run is seen: a bar on a terminal, the result, and what is said beside it.
+pub struct Terminal<'a> {
+    /// The progress.
+    pub bar: Bar,
+    /// The result.
+    pub out: &'a mut dyn Write,
+    /// Everything else.
+    pub err: &'a mut dyn Write,
+}
+
+impl<'a> Terminal<'a> {
+    /// With a bar where people look.
+    pub fn new(json: bool, out: &'a mut dyn Write, err: &'a mut dyn Write) -> Self {
+        Self { bar: Bar::new(!json), out, err }
+    }
+}
+
+/// A job of which its progress is seen, and what it says.
+impl<J> Observer<J> for Terminal<'_>
+where
+    J: for<'e> Job<Error = anyhow::Error, Event<'e> = Seen<'e>>,
+{
+    fn event(&mut self, seen: Seen<'_>) -> anyhow::Result<()> {
+        match seen {
+            Seen::Begun { what, on, steps } => self.bar.start(what, on, steps),
+            Seen::Said(text) => self.bar.suspend(|| self.err.write_all(text.as_bytes()))?,
+        }
+        Ok(())
+    }
+
+    fn progress(&mut self, done: u64) {
+        self.bar.at(done);
+    }
+}
+
+/// A run on the command line, seen at a terminal.
+pub trait Watch<'a> {
+    /// The terminal.
+    fn terminal(&mut self) -> &mut Terminal<'a>;
+}
+
+impl<'a> Watch<'a> for Terminal<'a> {
+    fn terminal(&mut self) -> &mut Terminal<'a> {
+        self
+    }
+}
+
+/// A shard as it goes: how far it is, is written down.
+pub struct Stored<'s, W> {
+    /// The files.
+    pub store: &'s Store,
+    /// Who watches besides.
+    pub watch: &'s mut W,
+}
+
+impl<P: Serialize, J: Job<Part = P, Error = anyhow::Error>, W: Observer<J>> Observer<J> for Stored<'_, W> {
+    fn event(&mut self, event: J::Event<'_>) -> anyhow::Result<()> {
+        self.watch.event(event)
+    }
+
+    fn progress(&mut self, done: u64) {
+        self.watch.progress(done);
+    }
+
+    fn checkpoint(&mut self, at: &Reached<P>) -> anyhow::Result<()> {
+        self.store.save(at)
+    }
+
+    fn end(&mut self, part: &P) -> anyhow::Result<()> {
+        self.watch.end(part)
+    }
+}
+
 impl ShardArgs {
+    /// Runs a job that has found `part` before its first unit, and prints what came of it: the result of a whole run, or
+    /// that a shard is done. `key` tells everything that the result depends on, for a number of shards.
+    ///
+    /// # Errors
+    /// When the job fails, or a file cannot be read or written. A shard can then be run again, and goes on from its last
+    /// checkpoint.
+    pub fn run<'a, J: Job<Error = anyhow::Error>, W: Observer<J> + Watch<'a>>(
+        &self,
+        job: &mut J,
+        part: J::Part,
+        key: impl FnOnce(u64) -> Identity,
+        watch: &mut W,
+        printing: Printing,
+    ) -> anyhow::Result<ExitStatus>
+    where
+        J::Part: Printed,
+    {
+        let shard = self.shard()?;
+        let identity = key(shard.map_or(1, Shard::count));
+        let Some(shard) = shard else {
+            let found = session::run(job, None, Reached::nothing(part), watch)?;
+            let Terminal { bar, out, err } = watch.terminal();
+            bar.finish();
+            let found = found.context("internal error, please report: a whole run gave nothing")?;
+            let printing = Printing { live: true, interrupted: interrupt::signal(), ..printing };
+            let status = found.print(&identity, printing, *out, *err)?;
+            out.flush()?;
+            return Ok(status);
+        };
+        let store = Store::new(&self.shard_dir, shard, identity)?;
+        let terminal = watch.terminal();
+        let earlier = match store
+            .earlier::<Reached<J::Part>, J::Part>(printing.json, (&mut *terminal.out, &mut *terminal.err))?
+        {
+            Earlier::Done => return Ok(ExitStatus::Clean),
+            Earlier::Reached(earlier) => earlier.unwrap_or_else(|| Reached::nothing(part)),
+        };
+        let found = session::run(job, Some(shard), earlier, &mut Stored { store: &store, watch })?;
+        let Terminal { bar, out, err } = watch.terminal();
+        bar.finish();
+        store.conclude(found.as_ref(), printing.json, (*out, *err))
+    }
+
     /// The shard that is asked for; none for a whole run.
     ///
     /// # Errors
@@ -82,6 +228,14 @@ pub struct Store {
     identity: Identity,
 }
 
+/// What an earlier run of a shard left.
+pub enum Earlier<S> {
+    /// Its result, which is reported.
+    Done,
+    /// How far it got, if it began.
+    Reached(Option<S>),
+}
+
 impl Store {
     /// Makes the folder, if need be, and sees that files can be written there: before the work, not after it.
     ///
@@ -121,43 +275,45 @@ impl Store {
         self.read(&self.checkpoint_path(), Sort::Checkpoint, err)
     }
 
-    /// Does the work of the shard, unless its result is there. `work` is given how far the shard got when it was run
-    /// before, and gives the result, or nothing when a signal ended it: [`save`](Self::save) has then been told how far
-    /// it got. The status is [`ExitStatus::Clean`] when the result is written, whatever was found: that is for the merge
-    /// to tell.
+    /// What the shard left when it was run before: `T` is its result, `S` how far it got.
     ///
     /// # Errors
-    /// When a file cannot be read or written, or the work fails. The shard can then be run again, and goes on from its
-    /// last checkpoint.
-    pub fn run<S: DeserializeOwned, T: Serialize + DeserializeOwned>(
+    /// When a file cannot be read, or is of another run.
+    pub fn earlier<S: DeserializeOwned, T: DeserializeOwned>(
         &self,
         json: bool,
         (out, err): (&mut dyn Write, &mut dyn Write),
-        work: impl FnOnce(Option<S>) -> anyhow::Result<Option<T>>,
-    ) -> anyhow::Result<ExitStatus> {
+    ) -> anyhow::Result<Earlier<S>> {
         if self.finished::<T>(err)?.is_some() {
-            return self.report("was done before", json, out);
+            self.report("was done before", json, out)?;
+            return Ok(Earlier::Done);
         }
-        let shard = self.shard;
         let earlier = self.checkpoint(err)?;
         if earlier.is_some() {
-            writeln!(err, "note: shard {shard} goes on from its checkpoint")?;
+            writeln!(err, "note: shard {} goes on from its checkpoint", self.shard)?;
         }
-        match (work(earlier)?, interrupt::signal()) {
-            (Some(found), _) => {
-                self.finish(&found)?;
-                self.report("is done", json, out)
-            }
-            (None, signal) => {
-                let signal = signal.context("the shard ended before its time")?;
-                let name = signal_name(signal);
-                writeln!(
-                    err,
-                    "error: interrupted by {name}; shard {shard} goes on from its checkpoint when it is run again"
-                )?;
-                Ok(ExitStatus::Interrupted(signal))
-            }
+        Ok(Earlier::Reached(earlier))
+    }
+
+    /// Writes what the shard found, or says that a signal ended it before. The status is [`ExitStatus::Clean`] when the
+    /// result is written, whatever was found: that is for the merge to tell.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn conclude<T: Serialize>(
+        &self,
+        found: Option<&T>,
+        json: bool,
+        (out, err): (&mut dyn Write, &mut dyn Write),
+    ) -> anyhow::Result<ExitStatus> {
+        if let Some(found) = found {
+            self.finish(found)?;
+            return self.report("is done", json, out);
         }
+        let signal = interrupt::signal().context("the shard ended before its time")?;
+        let (name, shard) = (signal_name(signal), self.shard);
+        writeln!(err, "error: interrupted by {name}; shard {shard} goes on from its checkpoint when it is run again")?;
+        Ok(ExitStatus::Interrupted(signal))
     }
 
     /// Says that the shard has its result, on `out`.

@@ -1,27 +1,25 @@
 //! `shadercheck torture`: random programs on every lane and through every translator.
 
-mod shared;
-
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::Context;
 use clap::{Args, ValueEnum};
+use serde::{Deserialize, Serialize};
 
-use super::bar::Bar;
 use super::check::Format;
-use crate::cli::shard::ShardArgs;
+use crate::cli::shard::{Printed, Printing, ShardArgs, Terminal, Watch};
 use crate::cli::status::ExitStatus;
 use base::text::Shown;
 use disk::fresh;
+use engine::session::{Job, Join, Observer, Reached, Seen, Unlike};
+use engine::shard::{Identity, Shard};
 use engine::suite::run::{DEFAULT_SEED, Peer};
 use engine::torture::{Asked, Found, Language, Wish};
 use judge::profile::Promises;
-use lanes::{Lane, Stage, StandIn, Wanted, interrupt};
+use lanes::{Description, Lane, StandIn, Wanted};
 use report::torture::{Summary, json, text};
-
-pub use shared::ShardResult;
 
 /// Programs of a run, when none are asked for.
 const PROGRAMS: u64 = 100;
@@ -122,34 +120,141 @@ pub fn run(args: &TortureArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyh
         .zip(&promises)
         .map(|(lane, promises)| Peer { lane: &**lane as &dyn Lane, promises })
         .collect();
-    let lanes = opened.lanes.iter().map(|lane| lane.description().clone()).collect();
-    let summary = Summary { seed: args.seed, command: args.command(), lanes, ..Summary::default() };
-    if let Some(shard) = shard {
-        return shared::run(args, shard, &peers, summary, out, err);
+    let lanes: Vec<Description> = opened.lanes.iter().map(|lane| lane.description().clone()).collect();
+    let (json, count) = (args.format == Format::Json, shard.map_or(1, Shard::count));
+    let terminal = Terminal::new(json, out, err);
+    terminal.bar.start("programs", "all lanes", args.programs.div_ceil(count));
+    let mut watched = Watched { terminal, folder: args.out.as_deref(), known: 0 };
+    let key = |shards| identity(args, shards, &lanes);
+    let part = ShardResult { lanes: lanes.clone(), ..ShardResult::default() };
+    let mut programs = Programs { args, peers: &peers, begun: Instant::now() };
+    args.sharing.run(&mut programs, part, key, &mut watched, Printing { json, ..Printing::default() })
+}
+
+/// The programs of a run.
+struct Programs<'a> {
+    args: &'a TortureArgs,
+    peers: &'a [Peer<'a>],
+    begun: Instant,
+}
+
+/// What came of them.
+#[derive(Debug, Default, Serialize, Deserialize)]
+pub struct ShardResult {
+    lanes: Vec<Description>,
+    found: Found,
+    /// How long a whole run took.
+    #[serde(skip)]
+    seconds: f64,
+}
+
+/// Name of the parameter with the command line.
+const COMMAND: &str = "command";
+
+fn identity(args: &TortureArgs, shards: u64, lanes: &[Description]) -> Identity {
+    let mut identity = Identity::new("torture", args.seed, shards)
+        .with("--programs", args.programs)
+        .with("--first", args.first)
+        .with("--samples", args.samples)
+        .with(COMMAND, args.command());
+    for lane in lanes {
+        identity = identity.with(&format!("lane `{}`", lane.name), &lane.driver);
     }
-    let mut summary = summary;
-    let mut progress = Bar::new(args.format == Format::Text);
-    progress.start("programs", "all lanes", Stage::Compute, args.programs);
-    let begun = Instant::now();
-    let numbers = args.first..args.first.saturating_add(args.programs);
-    for (done, index) in numbers.enumerate() {
-        let known = summary.found.causes.len();
-        if !summary.found.program(index, &peers, &args.asked()) {
-            break;
-        }
-        // What is found stays found where the process is ended.
-        for cause in &summary.found.causes[known..] {
-            progress.suspend(|| writeln!(err, "program {index}: {}", report::torture::line(cause)))?;
-            if let Some(folder) = &args.out {
+    identity
+}
+
+impl Job for Programs<'_> {
+    type Unit = u64;
+    type Part = ShardResult;
+    type Error = anyhow::Error;
+    type Event<'e> = Seen<'e>;
+
+    fn unit(
+        &mut self,
+        number: u64,
+        _: &mut Reached<ShardResult>,
+        _: &mut dyn Observer<Self>,
+    ) -> anyhow::Result<Option<u64>> {
+        Ok(self.args.first.checked_add(number).filter(|_| number < self.args.programs))
+    }
+
+    fn run(
+        &mut self,
+        (_, index): (u64, u64),
+        at: &mut Reached<ShardResult>,
+        _: &mut dyn Observer<Self>,
+    ) -> anyhow::Result<()> {
+        at.part.found.program(index, self.peers, &self.args.asked());
+        at.part.seconds = self.begun.elapsed().as_secs_f64();
+        Ok(())
+    }
+}
+
+/// A run whose causes are told and written as they are found: they stay found where the process is ended.
+struct Watched<'a> {
+    terminal: Terminal<'a>,
+    folder: Option<&'a Path>,
+    /// Causes that were told.
+    known: usize,
+}
+
+impl<'a> Watch<'a> for Watched<'a> {
+    fn terminal(&mut self) -> &mut Terminal<'a> {
+        &mut self.terminal
+    }
+}
+
+impl Observer<Programs<'_>> for Watched<'_> {
+    fn end(&mut self, part: &ShardResult) -> anyhow::Result<()> {
+        let Terminal { bar, err, .. } = &mut self.terminal;
+        for cause in part.found.causes.iter().skip(self.known) {
+            bar.suspend(|| writeln!(err, "program {}: {}", cause.program, report::torture::line(cause)))?;
+            if let Some(folder) = self.folder {
                 write(folder, cause)?;
             }
         }
-        progress.at(done as u64 + 1);
+        self.known = part.found.causes.len();
+        bar.at(part.found.programs);
+        Ok(())
     }
-    progress.finish();
-    summary.seconds = begun.elapsed().as_secs_f64();
-    summary.interrupted = interrupt::signal();
-    conclude(&summary, args.format == Format::Json, out, err)
+}
+
+impl Join for ShardResult {
+    fn join(&mut self, other: Self) -> Result<(), Unlike> {
+        Unlike::unless(self.lanes == other.lanes, "ran on different lanes")?;
+        self.found.join(other.found)
+    }
+}
+
+impl Printed for ShardResult {
+    fn print(
+        self,
+        identity: &Identity,
+        printing: Printing,
+        out: &mut dyn Write,
+        err: &mut dyn Write,
+    ) -> anyhow::Result<ExitStatus> {
+        let summary = Summary {
+            seed: identity.seed,
+            command: identity.parameters.get(COMMAND).cloned().unwrap_or_default(),
+            lanes: self.lanes,
+            found: self.found,
+            seconds: self.seconds,
+            interrupted: printing.interrupted,
+        };
+        let printed = if printing.json { json(&summary) } else { text(&summary) };
+        out.write_all(printed.as_bytes())?;
+        Ok(if let Some(signal) = summary.interrupted {
+            ExitStatus::Interrupted(signal)
+        } else if summary.found.fails() {
+            ExitStatus::Findings
+        } else if summary.found.agreed == 0 {
+            writeln!(err, "error: nothing was judged")?;
+            ExitStatus::Error
+        } else {
+            ExitStatus::Clean
+        })
+    }
 }
 
 /// Writes the folder of a cause.
@@ -161,26 +266,4 @@ fn write(folder: &Path, cause: &engine::torture::Cause) -> anyhow::Result<()> {
         fresh::write(&path, text.as_bytes()).with_context(|| format!("cannot write `{}`", path.shown()))?;
     }
     Ok(())
-}
-
-/// Writes the folders of all causes.
-fn write_all(folder: &Path, found: &Found) -> anyhow::Result<()> {
-    found.causes.iter().try_for_each(|cause| write(folder, cause))
-}
-
-/// Prints the result and gives its status.
-fn conclude(summary: &Summary, as_json: bool, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
-    let printed = if as_json { json(summary) } else { text(summary) };
-    out.write_all(printed.as_bytes())?;
-    out.flush()?;
-    Ok(if let Some(signal) = summary.interrupted {
-        ExitStatus::Interrupted(signal)
-    } else if summary.found.fails() {
-        ExitStatus::Findings
-    } else if summary.found.agreed == 0 {
-        writeln!(err, "error: nothing was judged")?;
-        ExitStatus::Error
-    } else {
-        ExitStatus::Clean
-    })
 }

@@ -102,15 +102,20 @@ pub trait Observer<J: Job> {
     }
 }
 
-/// A unit begins: the event of jobs that have no others.
+/// What is seen of jobs that have nothing else to show.
 #[derive(Clone, Copy, Debug)]
-pub struct Begun<'e> {
-    /// The unit.
-    pub what: &'e str,
-    /// Where it runs.
-    pub on: &'e str,
-    /// Its steps, as far as they are known.
-    pub steps: u64,
+pub enum Seen<'e> {
+    /// A unit begins, or its steps are known.
+    Begun {
+        /// The unit.
+        what: &'e str,
+        /// Where it runs.
+        on: &'e str,
+        /// Its steps; 0 while they are not known.
+        steps: u64,
+    },
+    /// Something is said beside the report, in whole lines.
+    Said(&'e str),
 }
 
 /// How far a run is.

@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use super::{CalibrateArgs, bar, conclude, open, request};
 use crate::cli::check::Format;
-use crate::cli::merge::Joined;
-use crate::cli::shard::Store;
+use crate::cli::shard::{Earlier, Printed, Printing, Store};
 use crate::cli::status::ExitStatus;
 use engine::calibrate::{self, State};
+use engine::session::{Join, Unlike};
 use engine::shard::{Identity, Shard};
 use judge::profile::Op;
 use lanes::Lane;
@@ -47,35 +47,37 @@ pub fn run(
         .with(OUTPUT, output.display());
     let store = Store::new(&args.sharing.shard_dir, shard, identity)?;
     let json = args.format == Format::Json;
-    store.run(json, (out, err), |saved: Option<State>| {
-        let request = request(args, ops, lane, shard);
-        let mut state = match saved {
-            Some(saved) => saved.resume(&request)?,
-            None => State::new(request.clone()),
-        };
-        let bar = bar(!json, request.total());
+    let Earlier::Reached(saved) = store.earlier::<State, State>(json, (out, err))? else {
+        return Ok(ExitStatus::Clean);
+    };
+    let request = request(args, ops, lane, shard);
+    let mut state = match saved {
+        Some(saved) => saved.resume(&request)?,
+        None => State::new(request.clone()),
+    };
+    let bar = bar(!json, request.total());
+    bar.set_position(state.done());
+    calibrate::run(lane, &mut state, &mut |state, op| {
+        bar.set_message(op.name());
         bar.set_position(state.done());
-        calibrate::run(lane, &mut state, &mut |state, op| {
-            bar.set_message(op.name());
-            bar.set_position(state.done());
-            store.save(state).map_err(|error| std::io::Error::other(format!("{error:#}")))
-        })?;
-        bar.finish_and_clear();
-        Ok(Some(state))
-    })
+        store.save(state).map_err(|error| std::io::Error::other(format!("{error:#}")))
+    })?;
+    bar.finish_and_clear();
+    store.conclude(Some(&state), json, (out, err))
 }
 
-impl Joined for ShardResult {
-    fn join(&mut self, other: Self) -> anyhow::Result<()> {
-        Ok(self.0.join(other.0)?)
+impl Join for ShardResult {
+    fn join(&mut self, other: Self) -> Result<(), Unlike> {
+        self.0.join(other.0).map_err(|error| Unlike(error.to_string()))
     }
+}
 
+impl Printed for ShardResult {
     /// Needs the device: its behaviours are probed, and its definitions confirmed.
     fn print(
         self,
         identity: &Identity,
-        json: bool,
-        _: bool,
+        printing: Printing,
         out: &mut dyn Write,
         err: &mut dyn Write,
     ) -> anyhow::Result<ExitStatus> {
@@ -87,6 +89,6 @@ impl Joined for ShardResult {
             "the shards measured {measured}, and this machine has {here}; merge where the device is"
         );
         let output = PathBuf::from(parameter(OUTPUT).map_or("measured.profile.toml", String::as_str));
-        conclude(&self.0, &output, lane.as_ref(), json, out)
+        conclude(&self.0, &output, lane.as_ref(), printing.json, out)
     }
 }

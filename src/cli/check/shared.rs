@@ -10,12 +10,11 @@ use super::expectations::{RunExpectations, Written};
 use super::progress::Progress;
 use super::select::Selected;
 use super::{Asked, CheckArgs};
-use crate::cli::merge::Joined;
-use crate::cli::shard::{Absent, Store};
+use crate::cli::shard::{Absent, Earlier, Printed, Printing, Store, Stored};
 use crate::cli::status::ExitStatus;
 use base::text::fingerprint;
 use engine::check::{Check, Event, Found};
-use engine::session::{self, Observer, Reached};
+use engine::session::{self, Join, Observer, Reached, Unlike};
 use engine::shard::{Identity, Shard};
 use engine::suite::run::{Entry, LaneUsed, Outcome, Part, Summary};
 
@@ -79,34 +78,35 @@ pub fn run(
 ) -> anyhow::Result<ExitStatus> {
     let (shard, selected) = (check.shard.unwrap_or(Shard::WHOLE), check.suites.selected);
     let store = Store::new(&args.sharing.shard_dir, shard, identity(args, shard, selected, &summary.lanes))?;
-    store.run(args.is_json(), (out, err), |reached: Option<Reached<Found>>| {
-        let mut tasks = super::tasks(args, &check);
-        tasks.iter_mut().for_each(|task| task.samples = (task.samples / shard.count()).max(1));
-        let progress = Progress::new(args.is_text() && !args.plain, selected.len(), tasks);
-        let mut stored = Stored { selected, store: &store, progress };
-        let found = session::run(&mut check, Some(shard), reached.unwrap_or_default(), &mut stored)?;
-        stored.progress.finish();
-        let Some(Found { parts, of, .. }) = found else { return Ok(None) };
-        let Summary { lanes, asked, required, unavailable, .. } = summary;
-        Ok(Some(ShardResult {
-            lanes,
-            unavailable: Absent::new(unavailable),
-            asked: asked.into_iter().collect(),
-            required: required.into_iter().collect(),
-            parts,
-            expectations: expectations.written(&of),
-        }))
-    })
+    let Earlier::Reached(reached) = store.earlier::<Reached<Found>, ShardResult>(args.is_json(), (out, err))? else {
+        return Ok(ExitStatus::Clean);
+    };
+    let mut tasks = super::tasks(args, &check);
+    tasks.iter_mut().for_each(|task| task.samples = (task.samples / shard.count()).max(1));
+    let progress = Progress::new(args.is_text() && !args.plain, selected.len(), tasks);
+    let mut watch = Strict { selected, progress };
+    let mut stored = Stored { store: &store, watch: &mut watch };
+    let found = session::run(&mut check, Some(shard), reached.unwrap_or_default(), &mut stored)?;
+    watch.progress.finish();
+    let Summary { lanes, asked, required, unavailable, .. } = summary;
+    let result = found.map(|Found { parts, of, .. }| ShardResult {
+        lanes,
+        unavailable: Absent::new(unavailable),
+        asked: asked.into_iter().collect(),
+        required: required.into_iter().collect(),
+        parts,
+        expectations: expectations.written(&of),
+    });
+    store.conclude(result.as_ref(), args.is_json(), (out, err))
 }
 
-/// A shard as it goes: every batch and every result is written down.
-struct Stored<'a> {
+/// A shard as it goes: a suite that cannot run ends it, and so does a lane that fails.
+struct Strict<'a> {
     selected: &'a [Selected],
-    store: &'a Store,
     progress: Progress,
 }
 
-impl Observer<Check<'_, Asked<'_>>> for Stored<'_> {
+impl Observer<Check<'_, Asked<'_>>> for Strict<'_> {
     fn event(&mut self, event: Event<'_>) -> anyhow::Result<()> {
         match event {
             Event::Prepared(suite, Err(error)) => {
@@ -130,31 +130,28 @@ impl Observer<Check<'_, Asked<'_>>> for Stored<'_> {
     fn progress(&mut self, done: u64) {
         self.progress.at(done);
     }
-
-    fn checkpoint(&mut self, reached: &Reached<Found>) -> anyhow::Result<()> {
-        self.store.save(reached)
-    }
 }
 
-impl Joined for ShardResult {
-    fn join(&mut self, other: Self) -> anyhow::Result<()> {
-        anyhow::ensure!(self.lanes == other.lanes, "the shards ran on different lanes");
-        anyhow::ensure!(self.expectations == other.expectations, "the shards expect different failures");
+impl Join for ShardResult {
+    fn join(&mut self, other: Self) -> Result<(), Unlike> {
+        Unlike::unless(self.lanes == other.lanes, "ran on different lanes")?;
+        Unlike::unless(self.expectations == other.expectations, "expect different failures")?;
         self.unavailable.join(other.unavailable);
         self.asked.extend(other.asked);
         self.required.extend(other.required);
         let same = self.parts.len() == other.parts.len()
             && self.parts.iter().zip(&other.parts).all(|(one, other)| one.is_like(other));
-        anyhow::ensure!(same, "the shards ran different suites");
+        Unlike::unless(same, "ran different suites")?;
         self.parts.iter_mut().zip(other.parts).for_each(|(one, other)| one.join(other));
         Ok(())
     }
+}
 
+impl Printed for ShardResult {
     fn print(
         self,
         identity: &Identity,
-        json: bool,
-        color: bool,
+        Printing { json, color, .. }: Printing,
         out: &mut dyn Write,
         err: &mut dyn Write,
     ) -> anyhow::Result<ExitStatus> {
@@ -197,7 +194,8 @@ mod tests {
         let peers = vec![Peer { lane: lane.as_ref(), promises: &promises }];
         let mut check = Check::new(Asked { args: &args, selected: &selected }, peers);
         check.shard = Some(shard);
-        let mut stored = Stored { selected: &selected, store: &store, progress: Progress::new(false, 2, Vec::new()) };
+        let mut watch = Strict { selected: &selected, progress: Progress::new(false, 2, Vec::new()) };
+        let mut stored = Stored { store: &store, watch: &mut watch };
         session::run(&mut check, Some(shard), reached, &mut stored).unwrap().unwrap()
     }
 

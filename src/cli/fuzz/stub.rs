@@ -12,37 +12,31 @@ use base::value::{Field, Scalar, Shape};
 use disk::fresh;
 use engine::fuzz::{FunctionReport, Law};
 use engine::guess::{self, Guess, Role};
-use report::fuzz::Summary;
 
 /// Range of an input for which none is stated.
 const RANGE: (f64, f64) = (-2.0, 2.0);
 
-/// Writes a suite file for each function that ran, beside its file. A file that is there already is told
-/// and left alone.
+/// Writes a suite file for a function that ran, beside its file. A file that is there already is told and left alone.
 ///
 /// # Errors
 /// When a file cannot be written.
-pub fn write(sources: &[IncludedText], summary: &Summary, err: &mut dyn Write) -> anyhow::Result<()> {
-    for (source, report) in sources.iter().zip(&summary.files) {
-        for function in report.functions.iter().filter(|f| f.not_run.is_none()) {
-            let name = &function.function;
-            let text = match suite(source, function) {
-                Ok(text) => text,
-                Err(why) => {
-                    writeln!(err, "note: no suite for `{name}`: {why}")?;
-                    continue;
-                }
-            };
-            let path = beside(&source.path, name);
-            // Made new or not at all, whatever comes in between.
-            match fresh::create(&path, text.as_bytes()) {
-                Ok(()) => writeln!(err, "note: wrote {}", path.shown())?,
-                Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {
-                    writeln!(err, "note: `{}` is there already and stays as it is", path.shown())?;
-                }
-                Err(error) => return Err(error).with_context(|| format!("cannot write `{}`", path.shown())),
-            }
+pub fn write(source: &IncludedText, function: &FunctionReport, err: &mut dyn Write) -> anyhow::Result<()> {
+    if function.not_run.is_some() {
+        return Ok(());
+    }
+    let name = &function.function;
+    let text = match suite(source, function) {
+        Ok(text) => text,
+        Err(why) => return Ok(writeln!(err, "note: no suite for `{name}`: {why}")?),
+    };
+    let path = beside(&source.path, name);
+    // Made new or not at all, whatever comes in between.
+    match fresh::create(&path, text.as_bytes()) {
+        Ok(()) => writeln!(err, "note: wrote {}", path.shown())?,
+        Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {
+            writeln!(err, "note: `{}` is there already and stays as it is", path.shown())?;
         }
+        Err(error) => return Err(error).with_context(|| format!("cannot write `{}`", path.shown())),
     }
     Ok(())
 }
