@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use clap::Args;
+use serde::{Deserialize, Serialize};
 
 use super::check::profile;
 use super::check::{Format, shell_word};
@@ -14,17 +15,20 @@ use super::compose::{ComposeArgs, Given};
 use super::fuzz::{Inputs, subjects};
 use super::includes::IncludedText;
 use super::inputs::InputArgs;
+use super::shard::{Printed, Printing, ShardArgs, Terminal};
 use super::status::ExitStatus;
 use super::translate;
 use super::waiting::Waiting;
 use base::diagnostic::Lang;
-use base::text::Shown as _;
+use base::text::{Shown as _, fingerprint};
 use disk::fresh;
-use engine::compare::{self, Compared, Pairing, Request};
-use engine::fuzz::Subject;
+use engine::compare::{self, Compared, Pairing, Request, Unpaired};
+use engine::fuzz::{Domain, Subject};
+use engine::session::{Job, Join, Observer, Reached, Seen, Unlike};
+use engine::shard::Identity;
 use engine::suite::run::signal_name;
 use judge::profile::Profile;
-use lanes::{Lane, StandIn, Wanted, interrupt};
+use lanes::{Lane, StandIn, Wanted};
 use report::compare::{Summary, json, text};
 
 /// Samples of a pair, when none are asked for.
@@ -79,7 +83,10 @@ pub struct CompareArgs {
     /// over each input, and `report.json`
     #[arg(long, value_name = "DIR")]
     pub report_dir: Option<PathBuf>,
-    /// Format of the result
+    /// Which pairs of the run: pair `k` is done by shard `k` modulo N
+    #[command(flatten)]
+    pub sharing: ShardArgs,
+    /// How the result is printed
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }
@@ -89,6 +96,11 @@ pub struct CompareArgs {
 /// # Errors
 /// When a text cannot be read, a name is unknown, a domain or profile cannot be read, no lane is available, or output fails.
 pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
+    let shard = args.sharing.shard()?;
+    anyhow::ensure!(
+        shard.is_none() || (args.case.is_none() && args.report_dir.is_none()),
+        "--shard does a part of the pairs; --case and --report-dir are for a run without it"
+    );
     let _waiting = Waiting::begin();
     let stage = args.input.stage();
     let second_defines = [&args.input.define[..], &args.define_second[..]].concat();
@@ -110,9 +122,6 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
     let [Some(firsts), Some(seconds)] = &sides else { return Ok(ExitStatus::Findings) };
     let Pairing { pairs, unpaired } =
         compare::pairing([firsts, seconds], &args.function).map_err(anyhow::Error::msg)?;
-    let mut summary =
-        Summary { texts: texts.each_ref().map(|t| t.name.clone()), seed: args.input.seed, ..Summary::default() };
-    summary.unpaired = unpaired;
     let opened = Wanted { stand_in: StandIn::Beside, ..Wanted::named(&args.lane) }.open()?;
     let missing: Vec<String> = opened.missing.iter().map(|(name, error)| format!("lane `{name}`: {error}")).collect();
     anyhow::ensure!(args.lane.is_empty() || missing.is_empty(), "{}", missing.join("; "));
@@ -125,38 +134,119 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
         command: command(args),
         curves: args.report_dir.is_some(),
     };
-    let mut inputs = Inputs::new(&stated);
-    for pair in pairs {
-        let domain = inputs.domain(pair[0])?;
-        let compared = compare::run(pair, &domain, &lanes, &request).map_err(|why| anyhow::anyhow!("--case: {why}"))?;
-        summary.pairs.push(compared);
-        if interrupt::asked() {
-            break;
+    let names = texts.each_ref().map(|text| text.name.clone());
+    let part = ShardResult { texts: names, unpaired, pairs: Vec::new(), page: args.report_dir.clone() };
+    let key = |shards| identity(args, shards, &texts, &lanes);
+    let printing = Printing { json: args.format == Format::Json, color, ..Printing::default() };
+    let mut pairs = Pairs { pairs, lanes: &lanes, request, inputs: Inputs::new(&stated) };
+    args.sharing.run(&mut pairs, part, key, &mut Terminal::new(printing.json, out, err), printing)
+}
+
+/// Everything that the result of a run depends on.
+fn identity(args: &CompareArgs, shards: u64, texts: &[IncludedText], lanes: &[&dyn Lane]) -> Identity {
+    let mut identity = Identity::new("compare", args.input.seed, shards)
+        .with("command", command(args))
+        .with("--function", args.function.join("; "))
+        .with("--profile", args.profile.join(","))
+        .with("--samples", args.samples);
+    for lane in lanes.iter().map(|lane| lane.description()) {
+        identity = identity.with(&format!("lane `{}`", lane.name), &lane.driver);
+    }
+    for text in texts {
+        let print = fingerprint(text.file.text());
+        identity = identity.with(&format!("file `{}`", text.name), format!("{print:016x}"));
+    }
+    identity
+}
+
+/// The pairs of functions of a run.
+struct Pairs<'a> {
+    pairs: Vec<[&'a Subject; 2]>,
+    lanes: &'a [&'a dyn Lane],
+    request: Request<'a>,
+    inputs: Inputs<'a>,
+}
+
+impl<'a> Job for Pairs<'a> {
+    type Unit = ([&'a Subject; 2], Domain);
+    type Part = ShardResult;
+    type Error = anyhow::Error;
+    type Event<'e> = Seen<'e>;
+
+    fn unit(
+        &mut self,
+        number: u64,
+        _: &mut Reached<ShardResult>,
+        _: &mut dyn Observer<Self>,
+    ) -> anyhow::Result<Option<Self::Unit>> {
+        let Some(&pair) = self.pairs.get(number as usize) else {
+            self.inputs.all_used()?;
+            return Ok(None);
+        };
+        Ok(Some((pair, self.inputs.domain(pair[0])?)))
+    }
+
+    fn run(
+        &mut self,
+        (number, (pair, domain)): (u64, Self::Unit),
+        at: &mut Reached<ShardResult>,
+        _: &mut dyn Observer<Self>,
+    ) -> anyhow::Result<()> {
+        let compared = compare::run(pair, &domain, self.lanes, &self.request);
+        at.part.pairs.push((number, compared.map_err(|why| anyhow::anyhow!("--case: {why}"))?));
+        Ok(())
+    }
+}
+
+/// What came of some pairs, each with its number in the run.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct ShardResult {
+    texts: [String; 2],
+    unpaired: [Vec<Unpaired>; 2],
+    pairs: Vec<(u64, Compared)>,
+    /// Where the page of a whole run goes.
+    #[serde(skip)]
+    page: Option<PathBuf>,
+}
+
+impl Join for ShardResult {
+    fn join(&mut self, other: Self) -> Result<(), Unlike> {
+        let same = self.texts == other.texts && self.unpaired == other.unpaired;
+        Unlike::unless(same, "compared different texts")?;
+        self.pairs.extend(other.pairs);
+        self.pairs.sort_by_key(|(number, _)| *number);
+        Ok(())
+    }
+}
+
+impl Printed for ShardResult {
+    fn print(
+        self,
+        identity: &Identity,
+        printing: Printing,
+        out: &mut dyn Write,
+        err: &mut dyn Write,
+    ) -> anyhow::Result<ExitStatus> {
+        let Self { texts, unpaired, pairs, page: folder } = self;
+        let pairs = pairs.into_iter().map(|(_, compared)| compared).collect();
+        let summary = Summary { texts, seed: identity.seed, pairs, unpaired, interrupted: printing.interrupted };
+        if let Some(folder) = folder {
+            page(&folder, &summary)?;
         }
+        let printed = if printing.json { json(&summary) } else { text(&summary, printing.color) };
+        out.write_all(printed.as_bytes())?;
+        Ok(if let Some(signal) = summary.interrupted {
+            writeln!(err, "error: the run was interrupted by {}", signal_name(signal))?;
+            ExitStatus::Interrupted(signal)
+        } else if !summary.pairs.iter().any(Compared::is_known) {
+            writeln!(err, "error: nothing could be compared")?;
+            ExitStatus::Error
+        } else if summary.pairs.iter().any(|pair| pair.unlike.0 > 0) {
+            ExitStatus::Findings
+        } else {
+            ExitStatus::Clean
+        })
     }
-    summary.interrupted = interrupt::signal();
-    if summary.interrupted.is_none() {
-        inputs.all_used()?;
-    }
-    if let Some(folder) = &args.report_dir {
-        page(folder, &summary)?;
-    }
-    match args.format {
-        Format::Text => out.write_all(text(&summary, color).as_bytes())?,
-        Format::Json => out.write_all(json(&summary).as_bytes())?,
-    }
-    out.flush()?;
-    Ok(if let Some(signal) = summary.interrupted {
-        writeln!(err, "error: the run was interrupted by {}", signal_name(signal))?;
-        ExitStatus::Interrupted(signal)
-    } else if !summary.pairs.iter().any(Compared::is_known) {
-        writeln!(err, "error: nothing could be compared")?;
-        ExitStatus::Error
-    } else if summary.pairs.iter().any(|pair| pair.unlike.0 > 0) {
-        ExitStatus::Findings
-    } else {
-        ExitStatus::Clean
-    })
 }
 
 /// The functions of a text, each ready to run or told why it is not; `None` when the text does not compile, which is printed.

@@ -78,6 +78,48 @@ fn mutants_are_tested_in_parts() {
     same_in_parts("mutate hermite --operator sign,operand-order --samples 512 --lane embedded", &[1, 3], 0);
 }
 
+/// A part that is damaged or missing is refused, of whatever command.
+fn faults_are_refused(args: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    let parts = shards(folder.path(), args, 2);
+    let second = part(&parts, 1, 2);
+    let text = fs::read_to_string(&second).unwrap();
+    let error = |what: &str| {
+        let ran = merge(&parts, "").expect(2);
+        assert!(ran.err.contains(what) && ran.out.is_empty(), "{args}: `{what}` is not in\n{}", ran.err);
+    };
+    // One digit of what was found: the last one of the text.
+    let at = text.rfind(|c: char| c.is_ascii_digit()).unwrap();
+    let other = if text.as_bytes()[at] == b'1' { "2" } else { "1" };
+    fs::write(&second, format!("{}{other}{}", &text[..at], &text[at + 1..])).unwrap();
+    error("the file is damaged: its checksum does not fit");
+    fs::remove_file(&second).unwrap();
+    error("of 2 shards 1 is missing: 1");
+}
+
+#[test]
+fn programs_are_tried_in_parts() {
+    let args = "torture --lane embedded --language glsl --samples 16 --programs 4";
+    faults_are_refused(args);
+}
+
+#[test]
+fn pairs_of_functions_are_compared_in_parts() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "float glow(float d, float r) { return exp(-d / r); }\nfloat twice(float x) { return 2.0 * x; }\n\
+                vec3 mean(vec3 a, vec3 b) { return 0.5 * (a + b); }\nfloat root(float x) { return sqrt(x); }\n";
+    let [first, second] = ["a.glsl", "b.glsl"].map(|name| folder.path().join(name));
+    fs::write(&first, text).unwrap();
+    fs::write(&second, text.replace("2.0 * x", "x + abs(x)")).unwrap();
+    let args = format!("compare {} {} --lane embedded --samples 1000", first.display(), second.display());
+    same_in_parts(&args, &[1, 2, 5], 1);
+    same_in_parts(&format!("{args} --function mean"), &[2], 0);
+    faults_are_refused(&args);
+    for more in ["--case x=3f800000 --function twice", "--report-dir page"] {
+        run(&format!("{args} --shard 0/2 {more}")).expect(2);
+    }
+}
+
 #[test]
 fn a_device_is_measured_in_parts() {
     let folder = tempfile::tempdir().unwrap();
@@ -187,7 +229,15 @@ fn a_shard_that_is_none_and_a_folder_that_is_none_are_reported_before_any_work()
         let ran = run(args).expect(2);
         assert!(ran.err.contains(part), "`{part}` is not in\n{}", ran.err);
     };
-    for command in ["check sphere", "mutate sphere", "fuzz shaders/hair/hermite.glsl", "calibrate"] {
+    let hermite = "shaders/hair/hermite.glsl";
+    for command in [
+        "check sphere",
+        "mutate sphere",
+        &format!("fuzz {hermite}"),
+        &format!("compare {hermite} {hermite}"),
+        "torture",
+        "calibrate",
+    ] {
         error(&format!("{command} --shard 4/4"), "there is no shard 4 of 4: shards are counted from 0");
         error(&format!("{command} --shard 0/0"), "a run in 0 shards does nothing");
         error(&format!("{command} --shard first"), "`first` is no shard; give I/N");

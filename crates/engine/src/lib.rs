@@ -4,6 +4,7 @@
 pub mod accuracy;
 pub mod activity;
 pub mod adversary;
+mod bits;
 pub mod calibrate;
 pub mod catalogue;
 pub mod check;

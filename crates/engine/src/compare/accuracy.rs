@@ -1,6 +1,7 @@
 //! Which of two functions a device can compute more accurately: the bounds of both, by a profile.
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::Pair;
 use crate::InputValue;
@@ -19,7 +20,7 @@ const CHUNKS: usize = 8;
 
 /// The bounds of two functions by one profile. Bounds of a variable are taken relative to its largest component, and of a
 /// sample the widest counts.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Accuracy {
     /// Name of the profile.
     pub profile: String,
@@ -30,6 +31,7 @@ pub struct Accuracy {
     /// Samples in which only the first, and those in which only the second has a bound.
     pub alone: [u64; 2],
     /// Median of the bound of the first ÷ that of the second.
+    #[serde(with = "crate::bits")]
     pub median_ratio: Option<f64>,
     /// The sample with the widest bound of each.
     pub widest: [Option<Worst>; 2],
@@ -38,11 +40,12 @@ pub struct Accuracy {
 }
 
 /// A sample and a figure of it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Worst {
     /// The inputs of the first function.
     pub inputs: Vec<InputValue>,
     /// The bounds of both in ULP of the largest component of the variable.
+    #[serde(with = "crate::bits")]
     pub ulp: [f64; 2],
 }
 

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::convert::Infallible;
 
+use serde::{Deserialize, Serialize};
+
 use super::accuracy::beyond;
 use super::{Compared, Pair};
 use crate::InputValue;
@@ -19,13 +21,14 @@ use property::shrink;
 const SHRUNK: usize = 8;
 
 /// A sample that means something else in the two.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Unlike {
     /// The inputs of the first.
     pub inputs: Vec<InputValue>,
     /// The output that differs.
     pub output: String,
     /// Its values in real numbers; `None` where it is not a number of a word, such as a number of vertices.
+    #[serde(with = "crate::bits")]
     pub values: Option<[f64; 2]>,
     /// What differs, in words.
     pub message: String,

@@ -14,6 +14,8 @@ mod on_lanes;
 mod pairing;
 mod resolution;
 
+use serde::{Deserialize, Serialize};
+
 use crate::activity;
 use crate::fuzz::{Domain, Ready, Subject, batch, given, stream_key};
 use base::value::Batch;
@@ -57,7 +59,7 @@ pub struct Request<'p> {
 }
 
 /// What came of a pair of functions.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Compared {
     /// Names of the two.
     pub functions: [String; 2],
@@ -86,7 +88,8 @@ pub struct Compared {
     pub resolution: Option<[Resolution; 2]>,
     /// Outputs of lanes.
     pub lanes: Vec<OnLane>,
-    /// Both over components of their inputs, where that was asked for.
+    /// Both over components of their inputs, where that was asked for: of a whole run alone.
+    #[serde(skip)]
     pub curves: Vec<Curve>,
 }
 

@@ -1,5 +1,7 @@
 //! What lanes give of two functions.
 
+use serde::{Deserialize, Serialize};
+
 use super::Pair;
 use crate::InputValue;
 use base::value::{Batch, Scalar, ulp_at};
@@ -7,9 +9,10 @@ use lanes::{Actual, Lane, LaneName, Runner};
 use property::Sample;
 
 /// Two functions on one lane.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct OnLane {
     /// Name of the lane.
+    #[serde(with = "lanes::known")]
     pub lane: LaneName,
     /// Why it did not run both, or not to the end.
     pub not_run: Option<String>,
@@ -19,6 +22,7 @@ pub struct OnLane {
     pub same: u64,
     /// The largest distance of these outputs in ULP of the larger one's variable, with the inputs; infinite where only one is
     /// a number.
+    #[serde(with = "crate::bits")]
     pub farthest: Option<(f64, Vec<InputValue>)>,
 }
 

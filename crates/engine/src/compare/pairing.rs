@@ -3,6 +3,8 @@
 //! GLSL, HLSL and Slang have several functions of one name; WGSL has one, so that its libraries write `cubic2` and `cubic3`
 //! beside `cubic`. How a name is written (`segmentDistance`, `segment_distance`) does not count.
 
+use serde::{Deserialize, Serialize};
+
 use crate::fuzz::Subject;
 use base::did_you_mean;
 use program::{Parameter, Written};
@@ -18,7 +20,7 @@ pub struct Pairing<'a> {
 }
 
 /// A function that has no partner.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Unpaired {
     /// Its name; with the types of its parameters where its text has several of that name.
     pub function: String,

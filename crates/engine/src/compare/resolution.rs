@@ -3,6 +3,8 @@
 
 use std::collections::HashSet;
 
+use serde::{Deserialize, Serialize};
+
 use super::{Pair, drawn};
 use crate::fuzz::{Domain, ROUNDS, Ready};
 use base::value::{Batch, Scalar};
@@ -15,7 +17,7 @@ const PLACES: usize = 64;
 const NEIGHBOURS: usize = 256;
 
 /// What neighbouring inputs give.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Resolution {
     /// Inputs, in runs of neighbours.
     pub inputs: u64,
