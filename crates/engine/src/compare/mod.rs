@@ -17,7 +17,7 @@ mod resolution;
 use serde::{Deserialize, Serialize};
 
 use crate::activity;
-use crate::fuzz::{Domain, Ready, Subject, batch, given, stream_key};
+use crate::fuzz::{Domain, Ready, Subject, drawn, given, stream_key};
 use base::value::Batch;
 use judge::profile::Profile;
 use judge::verdict::{ENDLESS, Oracle, Reason, Reference, Rounds};
@@ -209,16 +209,6 @@ pub fn run(
     compared.resolution = if case.is_none() && !interrupt::asked() { resolution::of(&pair, domain, key) } else { None };
     compared.lanes = on.into_iter().map(on_lanes::Both::finish).collect();
     Ok(compared)
-}
-
-/// Samples of the first function; as a program would give them, or of any size.
-fn drawn(ready: &Ready, domain: &Domain, key: u64, (first, count): (u64, usize), realistic: bool) -> Batch {
-    let records = (&ready.kernel.invocation, &ready.kernel.case);
-    if realistic {
-        ready.realistic.batch(records, domain, key, first, count)
-    } else {
-        batch(records.0, records.1, domain, key, first, count)
-    }
 }
 
 fn bind(subjects: [&Subject; 2]) -> Result<Pair<'_>, String> {

@@ -1,6 +1,7 @@
 //! What a run of one function gives.
 
 use super::domain::{Law, Standing};
+use super::subject::Subject;
 use crate::InputValue;
 use base::value::Scalar;
 use judge::verdict::diagnosis::{Diagnosis, Place};
@@ -328,6 +329,27 @@ pub struct FunctionReport {
 }
 
 impl FunctionReport {
+    /// Nothing found yet, of a function.
+    pub(super) fn nothing(subject: &Subject) -> Self {
+        Self {
+            function: subject.label.clone(),
+            at: subject.at.clone(),
+            samples: 0,
+            hostile: 0,
+            edges: 0,
+            dispatches: 0,
+            not_dispatched: None,
+            not_run: None,
+            inputs: Vec::new(),
+            taken_for: Vec::new(),
+            textures: Vec::new(),
+            first_of_dispatch: Vec::new(),
+            max_error: 0.0,
+            lanes: Vec::new(),
+            findings: Vec::new(),
+        }
+    }
+
     /// Findings of one severity, the worst first.
     pub fn of(&self, severity: Severity) -> impl Iterator<Item = &Finding> {
         self.findings.iter().filter(move |f| f.severity == severity)

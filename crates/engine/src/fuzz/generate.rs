@@ -5,6 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::domain::{Domain, InputDomain, Interval, Law, MODERATE};
+use super::subject::Ready;
 use base::value::{Batch, Field, Record, Scalar};
 use property::{Stream, mix};
 
@@ -50,6 +51,25 @@ const EXTREME: [f32; 12] = [
     -1e19,
     1e-23,
 ];
+
+/// The key of the inputs of a function, which [`batch`](super::batch) takes.
+pub fn stream_key(seed: u64, label: &str) -> u64 {
+    property::mix(seed, text_key(label))
+}
+
+fn text_key(text: &str) -> u64 {
+    text.bytes().fold(0xcbf2_9ce4_8422_2325, |key, byte| Stream::new(key ^ u64::from(byte)).bits())
+}
+
+/// Samples of a function from number `first` on: as a program would give them, or of any size.
+pub fn drawn(ready: &Ready, domain: &Domain, key: u64, (first, count): (u64, usize), realistic: bool) -> Batch {
+    let records = (&ready.kernel.invocation, &ready.kernel.case);
+    if realistic {
+        ready.realistic.batch(records, domain, key, first, count)
+    } else {
+        batch(records.0, records.1, domain, key, first, count)
+    }
+}
 
 /// Makes `count` samples from number `first` on, each with uniforms of its own.
 pub fn batch(

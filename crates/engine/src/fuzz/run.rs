@@ -5,11 +5,12 @@ use std::collections::HashMap;
 use super::crossing;
 use super::domain::{Domain, InputDomain, Law, Standing, Within};
 use super::finding::{Finding, FunctionReport, FuzzFindingKind, Part, Severity};
-use super::generate;
+use super::generate::{drawn, stream_key};
 use super::host_numbers;
 use super::lanes::OnLane;
 use super::lowered::Lowered;
 use super::name::{Key, Named, name, place, undefined};
+use super::realistic::Realistic;
 use super::scan::{Look, Trouble, scan};
 use super::shrinking::smallest;
 use super::stage;
@@ -21,7 +22,7 @@ use judge::profile::Promises;
 use judge::verdict::{Fenced, Oracle, Reference, Rounds, edges};
 use lanes::{Lane, LaneName, embedded, interrupt};
 use program::Program;
-use property::{Sample, Stream, regressions};
+use property::{Sample, regressions};
 
 /// Samples of one batch, and words of its largest record in all.
 const BATCH: usize = 1 << 16;
@@ -137,23 +138,7 @@ fn run_on(
     lanes: &[(&dyn Lane, Promises)],
     request: &Request,
 ) -> Result<FunctionReport, String> {
-    let mut report = FunctionReport {
-        function: subject.label.clone(),
-        at: subject.at.clone(),
-        samples: 0,
-        hostile: 0,
-        edges: 0,
-        dispatches: 0,
-        not_dispatched: None,
-        not_run: None,
-        inputs: Vec::new(),
-        taken_for: Vec::new(),
-        textures: Vec::new(),
-        first_of_dispatch: Vec::new(),
-        max_error: 0.0,
-        lanes: Vec::new(),
-        findings: Vec::new(),
-    };
+    let mut report = FunctionReport::nothing(subject);
     if let (Some(Ok(dispatched)), None) = (&subject.dispatch, &request.case) {
         let function = word_of(&subject.label);
         dispatch::run(dispatched, &format!("{} --function {function}", request.command), &mut report);
@@ -174,33 +159,28 @@ fn run_on(
     if report.dispatches == 0 {
         report.first_of_dispatch = ready.program.first_of_dispatch();
     }
-    let oracle = match Oracle::new(&ready.program) {
-        Ok(oracle) => oracle,
+    let lowers = lanes.iter().any(|(lane, _)| embedded::lowers(*lane));
+    let lowered = || lowers.then(|| Oracle::lowered(&ready.program)).transpose();
+    let (oracle, lowered) = match Oracle::new(&ready.program).and_then(|oracle| Ok((oracle, lowered()?))) {
+        Ok(oracles) => oracles,
         Err(error) => {
             report.not_run = Some(error.locate(&ready.program));
             return Ok(report);
         }
     };
     let reference = Reference::nothing(&ready.program);
-    let lowers = lanes.iter().any(|(lane, _)| embedded::lowers(*lane));
-    let lowered_oracle = match lowers.then(|| Oracle::lowered(&ready.program)).transpose() {
-        Ok(lowered) => lowered,
-        Err(error) => {
-            report.not_run = Some(error.locate(&ready.program));
-            return Ok(report);
-        }
-    };
     let case = request.case.as_ref().map(|text| given(ready, text)).transpose()?;
     let (invocation, uniforms) = (&ready.kernel.invocation, &ready.kernel.case);
     let widest = ready.kernel.output.words().max(invocation.words()).max(uniforms.words()).max(1);
     let size = BATCH.min(BATCH_WORDS / widest).max(1);
-    let constant = invocation.words() + uniforms.words() == 0;
-    let samples = if case.is_some() || constant { 1 } else { request.samples };
+    // One sample alone, whatever is asked for.
+    let alone = case.is_some() || invocation.words() + uniforms.words() == 0;
+    let samples = if alone { 1 } else { request.samples };
     let capacity = size.min(samples as usize);
     let mut on: Vec<OnLane<'_>> = lanes
         .iter()
         .map(|(lane, promises)| {
-            let oracle = lowered_oracle.as_ref().filter(|_| embedded::lowers(*lane)).unwrap_or(&oracle);
+            let oracle = lowered.as_ref().filter(|_| embedded::lowers(*lane)).unwrap_or(&oracle);
             OnLane::new((*lane, promises), ready, (&reference, oracle), capacity)
         })
         .collect();
@@ -208,121 +188,161 @@ fn run_on(
         on = vec![on.swap_remove(first)];
     }
     let key = stream_key(request.seed, &subject.label);
-    let mut groups: HashMap<Key, Group> = HashMap::new();
+    let sizes = crossing::sizes(ready, &drawn(ready, domain, key, (0, crossing::PILOT), !domain.is_stated()));
     // Who gives a case states its inputs.
-    let in_parts = !request.hostile && case.is_none() && !constant && !domain.is_stated();
-    let usual = match domain.is_stated() {
-        true => generate::batch(invocation, uniforms, domain, key, 0, crossing::PILOT),
-        false => ready.realistic.batch((invocation, uniforms), domain, key, 0, crossing::PILOT),
-    };
-    let sizes = crossing::sizes(ready, &usual);
-    let looked = Looked { ready, domain, in_parts, sizes: &sizes };
+    let in_parts = !request.hostile && !alone && !domain.is_stated();
     if in_parts {
         let all = ready.realistic.taken_for(domain);
         report.taken_for = all.into_iter().map(|taken| taken.map(str::to_owned)).collect();
     }
+    let looked = Looked { ready, domain, in_parts, sizes: &sizes };
+    let lowered = Lowered::new(ready);
+    let mut running = Running { looked, key, case, size, on, groups: HashMap::new(), lowered, report };
     let second = if in_parts { samples / SECOND } else { 0 };
-    let mut lowered = Lowered::new(ready);
-    for (part, samples) in [(Part::Realistic, samples - second), (Part::Hostile, second)] {
-        let mut first = 0;
-        while first < samples && !interrupt::asked() {
-            let count = (samples - first).min(size as u64) as usize;
-            let mut batch = match (&case, part) {
-                (Some(sample), _) => Sample::batch(std::slice::from_ref(sample)),
-                (None, Part::Realistic) if in_parts => {
-                    ready.realistic.batch((invocation, uniforms), domain, key, first, count)
-                }
-                (None, _) => generate::batch(invocation, uniforms, domain, key, first, count),
-            };
-            let twins = double(&mut batch, count);
-            let looks = scan(&ready.executable, &ready.kernel.output.vertex, &batch);
-            // What was under way when the run was to end is not counted.
-            if interrupt::asked() {
-                break;
-            }
-            sort(looked, part, &batch, &looks, &mut groups, &mut report);
-            if let (Some(lowered), Part::Realistic) = (&mut lowered, part) {
-                lowered.look(&batch, &looks);
-            }
-            // What is undefined may differ from one invocation to the next.
-            let twins = twins.into_iter().filter(|&(twin, _)| !looks[twin].undefined).collect();
-            let (batch, twins) = that_end(batch, &looks, twins);
-            let open = looks.iter().filter(|look| !look.rounds.end()).count() as u64;
-            on.iter_mut().for_each(|lane| lane.leave_out(open, part));
-            if open < looks.len() as u64 {
-                on.iter_mut().for_each(|lane| lane.run(&batch, &twins, part));
-            }
-            first += count as u64;
-            report.samples += count as u64;
-            report.hostile += if part == Part::Hostile { count as u64 } else { 0 };
-        }
-    }
-    let mut far_out = None;
-    if let (true, Some(far), Some(near)) = (in_parts, &ready.far, &lowered)
-        && !interrupt::asked()
-    {
-        let count = samples.min(FAR) as usize;
-        let batch = far.batch((invocation, uniforms), domain, key, 0, count);
-        let looks = scan(&ready.executable, &ready.kernel.output.vertex, &batch);
-        far_out = Lowered::far(ready, far.far()).map(|mut lowered| {
-            lowered.look(&batch, &looks);
-            lowered.leave_out(near);
-            (lowered, far)
-        });
-    }
-    if case.is_none() && !constant && !interrupt::asked() {
-        let count = samples.min(PILOT) as usize;
-        let pilot = match in_parts {
-            true => ready.realistic.batch((invocation, uniforms), domain, key, 0, count),
-            false => generate::batch(invocation, uniforms, domain, key, 0, count),
-        };
-        // What holds beside an edge alone needs an input that is met by chance.
-        let part = if in_parts { Part::Hostile } else { Part::Realistic };
-        let found = edges(&oracle, &|sample: &Sample| domain.keeps(sample), &pilot, Vec::new()).samples;
-        report.edges = found.len() as u64;
-        if !found.is_empty() {
-            let batch = Sample::batch(&found);
-            let mut looks = scan(&ready.executable, &ready.kernel.output.vertex, &batch);
-            let (kept, _) = that_end(batch.clone(), &looks, Vec::new());
-            // Beside a jump rounding takes the other side, whatever the function.
-            looks
-                .iter_mut()
-                .filter(|look| look.trouble == Some(Trouble::Moved))
-                .for_each(|look| *look = Look::default());
-            looks.iter_mut().for_each(|look| look.error = 0.0);
-            sort(looked, part, &batch, &looks, &mut groups, &mut report);
-            if looks.iter().any(|look| look.rounds.end()) {
-                on.iter_mut().for_each(|lane| lane.run_edges(&kept, part));
-            }
-        }
+    running.samples(Part::Realistic, samples - second);
+    running.samples(Part::Hostile, second);
+    let far = running.far(samples);
+    if !alone && !interrupt::asked() {
+        running.edges(&oracle, samples);
     }
     let reproduce = |sample: &Sample| {
         let inputs = regressions::inputs_text(sample);
         let function = word_of(&subject.label);
         format!("{} --function {function} --seed {} --case '{inputs}'", request.command, request.seed)
     };
-    let fenced: Vec<(LaneName, Fenced)> = on.iter().filter_map(OnLane::fenced).collect();
-    for (lane, fenced) in &fenced {
-        report.findings.push(at_failure(looked, (lane, fenced), &mut groups, &reproduce));
+    Ok(running.finish(lanes, request, far, &reproduce))
+}
+
+/// A function under way.
+struct Running<'a> {
+    looked: Looked<'a>,
+    /// Of the inputs.
+    key: u64,
+    /// The only sample, where one is given.
+    case: Option<Sample>,
+    /// Samples of one batch at most.
+    size: usize,
+    on: Vec<OnLane<'a>>,
+    groups: HashMap<Key, Group>,
+    lowered: Option<Lowered<'a>>,
+    report: FunctionReport,
+}
+
+impl<'a> Running<'a> {
+    /// What samples are in binary64 and in binary32.
+    fn looks(&self, batch: &Batch) -> Vec<Look> {
+        scan(&self.looked.ready.executable, &self.looked.ready.kernel.output.vertex, batch)
     }
-    for lane in on {
-        let (lane, findings) = lane.finish(domain, &reproduce);
-        report.lanes.push(lane);
-        report.findings.extend(findings);
+
+    /// Samples of a part, from number `first` on.
+    fn batch(&self, part: Part, first: u64, count: usize) -> Batch {
+        let Looked { ready, domain, in_parts, .. } = self.looked;
+        let realistic = in_parts && part == Part::Realistic;
+        let drawn = || drawn(ready, domain, self.key, (first, count), realistic);
+        self.case.as_ref().map_or_else(drawn, |sample| Sample::batch(std::slice::from_ref(sample)))
     }
-    own_translator(lanes, &ready.program, &mut report);
-    add_findings(looked, groups, request, &reproduce, &mut report);
-    if let Some(lowered) = lowered.filter(|_| !interrupt::asked()) {
-        let standing = Standing::Counts;
-        let found = lowered.findings(domain, looked.within(standing), looked.part(standing), &reproduce);
-        report.findings.extend(found);
+
+    /// Runs the samples of a part.
+    fn samples(&mut self, part: Part, samples: u64) {
+        let mut first = 0;
+        while first < samples && !interrupt::asked() {
+            let count = (samples - first).min(self.size as u64) as usize;
+            let mut batch = self.batch(part, first, count);
+            let twins = double(&mut batch, count);
+            let looks = self.looks(&batch);
+            // What was under way when the run was to end is not counted.
+            if interrupt::asked() {
+                break;
+            }
+            sort(self.looked, part, &batch, &looks, &mut self.groups, &mut self.report);
+            if let (Some(lowered), Part::Realistic) = (&mut self.lowered, part) {
+                lowered.look(&batch, &looks);
+            }
+            // What is undefined may differ from one invocation to the next.
+            let twins = twins.into_iter().filter(|&(twin, _)| !looks[twin].undefined).collect();
+            let (batch, twins) = that_end(batch, &looks, twins);
+            let open = looks.iter().filter(|look| !look.rounds.end()).count() as u64;
+            self.on.iter_mut().for_each(|lane| lane.leave_out(open, part));
+            if open < looks.len() as u64 {
+                self.on.iter_mut().for_each(|lane| lane.run(&batch, &twins, part));
+            }
+            first += count as u64;
+            self.report.samples += count as u64;
+            self.report.hostile += if part == Part::Hostile { count as u64 } else { 0 };
+        }
     }
-    if let Some((lowered, far)) = far_out.filter(|_| !interrupt::asked()) {
+
+    /// What the lower precision makes of inputs as far as they come on phones.
+    fn far(&self, samples: u64) -> Option<(Lowered<'a>, &'a Realistic)> {
+        let Looked { ready, domain, in_parts, .. } = self.looked;
+        let (far, near) = (ready.far.as_ref()?, self.lowered.as_ref()?);
+        if !in_parts || interrupt::asked() {
+            return None;
+        }
+        let records = (&ready.kernel.invocation, &ready.kernel.case);
+        let batch = far.batch(records, domain, self.key, 0, samples.min(FAR) as usize);
+        let looks = self.looks(&batch);
+        let mut lowered = Lowered::far(ready, far.far())?;
+        lowered.look(&batch, &looks);
+        lowered.leave_out(near);
+        Some((lowered, far))
+    }
+
+    /// Runs what lies beside the edges of a few samples.
+    fn edges(&mut self, oracle: &Oracle, samples: u64) {
+        let Looked { domain, in_parts, .. } = self.looked;
+        let pilot = self.batch(Part::Realistic, 0, samples.min(PILOT) as usize);
+        // What holds beside an edge alone needs an input that is met by chance.
+        let part = if in_parts { Part::Hostile } else { Part::Realistic };
+        let found = edges(oracle, &|sample: &Sample| domain.keeps(sample), &pilot, Vec::new()).samples;
+        self.report.edges = found.len() as u64;
+        if found.is_empty() {
+            return;
+        }
+        let batch = Sample::batch(&found);
+        let mut looks = self.looks(&batch);
+        let (kept, _) = that_end(batch.clone(), &looks, Vec::new());
+        // Beside a jump rounding takes the other side, whatever the function.
+        let moved = looks.iter_mut().filter(|look| look.trouble == Some(Trouble::Moved));
+        moved.for_each(|look| *look = Look::default());
+        looks.iter_mut().for_each(|look| look.error = 0.0);
+        sort(self.looked, part, &batch, &looks, &mut self.groups, &mut self.report);
+        if looks.iter().any(|look| look.rounds.end()) {
+            self.on.iter_mut().for_each(|lane| lane.run_edges(&kept, part));
+        }
+    }
+
+    /// What was found.
+    fn finish(
+        self,
+        lanes: &[(&dyn Lane, Promises)],
+        request: &Request,
+        far: Option<(Lowered<'a>, &'a Realistic)>,
+        reproduce: &dyn Fn(&Sample) -> String,
+    ) -> FunctionReport {
+        let Self { looked, on, mut groups, lowered, mut report, .. } = self;
+        let fenced: Vec<(LaneName, Fenced)> = on.iter().filter_map(OnLane::fenced).collect();
+        for (lane, fenced) in &fenced {
+            report.findings.push(at_failure(looked, (lane, fenced), &mut groups, reproduce));
+        }
+        for lane in on {
+            let (lane, findings) = lane.finish(looked.domain, reproduce);
+            report.lanes.push(lane);
+            report.findings.extend(findings);
+        }
+        own_translator(lanes, &looked.ready.program, &mut report);
+        add_findings(looked, groups, request, reproduce, &mut report);
         let part = looked.part(Standing::Counts);
-        report.findings.extend(lowered.findings(domain, Within::Realistic(far), part, &reproduce));
+        if let Some(lowered) = lowered.filter(|_| !interrupt::asked()) {
+            let within = looked.within(Standing::Counts);
+            report.findings.extend(lowered.findings(looked.domain, within, part, reproduce));
+        }
+        if let Some((lowered, far)) = far.filter(|_| !interrupt::asked()) {
+            report.findings.extend(lowered.findings(looked.domain, Within::Realistic(far), part, reproduce));
+        }
+        report.findings.sort_by_key(|f| (f.severity, f.kind));
+        report
     }
-    report.findings.sort_by_key(|f| (f.severity, f.kind));
-    Ok(report)
 }
 
 /// Makes notes of deviations that come from the translator which this tool puts between a text and a driver, where a lane that
@@ -345,15 +365,6 @@ fn own_translator(lanes: &[(&dyn Lane, Promises)], program: &Program, report: &m
 fn word_of(label: &str) -> String {
     let plain = label.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     if plain { label.to_owned() } else { format!("'{label}'") }
-}
-
-/// The key of the inputs of a function, which [`batch`](super::batch) takes.
-pub fn stream_key(seed: u64, label: &str) -> u64 {
-    property::mix(seed, text_key(label))
-}
-
-fn text_key(text: &str) -> u64 {
-    text.bytes().fold(0xcbf2_9ce4_8422_2325, |key, byte| Stream::new(key ^ u64::from(byte)).bits())
 }
 
 /// Each input with its laws.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::lower::{Drawn, Leaf};
-use crate::fuzz::{Domain, InputDomain, Interval, Law, Ready, batch};
+use crate::fuzz::{Domain, InputDomain, Interval, Law, Ready, drawn};
 use ::improve::{Points, Term};
 use base::value::{Batch, Record, Scalar};
 use property::{Stream, mix};
@@ -88,13 +88,7 @@ impl<'a> Drawer<'a> {
 
     /// Samples of the function from number `first` on.
     pub(super) fn batch(&self, first: u64, count: usize) -> Batch {
-        let kernel = &self.ready.kernel;
-        let records = (&kernel.invocation, &kernel.case);
-        if self.domain.is_stated() {
-            batch(records.0, records.1, self.domain, self.key, first, count)
-        } else {
-            self.ready.realistic.batch(records, self.domain, self.key, first, count)
-        }
+        drawn(self.ready, self.domain, self.key, (first, count), !self.domain.is_stated())
     }
 
     /// Points of samples from number `first` on.

@@ -17,7 +17,7 @@ use std::convert::Infallible;
 
 use crate::InputValue;
 use crate::adversary::Strategy;
-use crate::fuzz::{Domain, Law, Ready, Shrinking, Subject, Within, batch, decimal, place, scan, stream_key, subjects};
+use crate::fuzz::{Domain, Law, Ready, Shrinking, Subject, Within, decimal, drawn, place, scan, stream_key, subjects};
 use base::text::SourceFile;
 use base::value::Batch;
 use judge::profile::by_name;
@@ -224,12 +224,9 @@ impl Tuning<'_> {
 
     /// Samples whose outputs are sound in binary32, and how many are not.
     fn samples(&self, base: &Ready, domain: &Domain, (key, count): (u64, u64)) -> Result<(Batch, u64), String> {
-        let records = (&base.kernel.invocation, &base.kernel.case);
-        let count = if records.0.words() + records.1.words() == 0 { 1 } else { count as usize };
-        let batch = match domain.is_stated() {
-            true => batch(records.0, records.1, domain, key, 0, count),
-            false => base.realistic.batch(records, domain, key, 0, count),
-        };
+        let constant = base.kernel.invocation.words() + base.kernel.case.words() == 0;
+        let count = if constant { 1 } else { count as usize };
+        let batch = drawn(base, domain, key, (0, count), !domain.is_stated());
         let looks = scan(&base.executable, &base.kernel.output.vertex, &batch);
         let fine = |look: &crate::fuzz::Look| look.trouble.is_none() && !look.undefined && look.rounds.end();
         let chosen: Vec<usize> = (0..looks.len()).filter(|&k| fine(&looks[k])).collect();
