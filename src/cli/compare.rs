@@ -20,13 +20,12 @@ use super::status::ExitStatus;
 use super::translate;
 use super::waiting::Waiting;
 use base::diagnostic::Lang;
-use base::text::{Shown as _, fingerprint};
+use base::text::Shown as _;
 use disk::fresh;
 use engine::compare::{self, Compared, Pairing, Request, Unpaired};
 use engine::fuzz::{Domain, Subject};
-use engine::session::{Job, Join, Observer, Reached, Seen, Unlike};
+use engine::session::{At, Job, Join, Seen, Unlike};
 use engine::shard::Identity;
-use engine::suite::run::signal_name;
 use judge::profile::Profile;
 use lanes::{Lane, StandIn, Wanted};
 use report::compare::{Summary, json, text};
@@ -144,19 +143,13 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
 
 /// Everything that the result of a run depends on.
 fn identity(args: &CompareArgs, shards: u64, texts: &[IncludedText], lanes: &[&dyn Lane]) -> Identity {
-    let mut identity = Identity::new("compare", args.input.seed, shards)
+    let identity = Identity::new("compare", args.input.seed, shards)
         .with("command", command(args))
         .with("--function", args.function.join("; "))
         .with("--profile", args.profile.join(","))
-        .with("--samples", args.samples);
-    for lane in lanes.iter().map(|lane| lane.description()) {
-        identity = identity.with(&format!("lane `{}`", lane.name), &lane.driver);
-    }
-    for text in texts {
-        let print = fingerprint(text.file.text());
-        identity = identity.with(&format!("file `{}`", text.name), format!("{print:016x}"));
-    }
-    identity
+        .with("--samples", args.samples)
+        .on(lanes.iter().map(|lane| lane.description()));
+    texts.iter().fold(identity, |all, text| all.of(&format!("file `{}`", text.name), text.file.text()))
 }
 
 /// The pairs of functions of a run.
@@ -173,12 +166,7 @@ impl<'a> Job for Pairs<'a> {
     type Error = anyhow::Error;
     type Event<'e> = Seen<'e>;
 
-    fn unit(
-        &mut self,
-        number: u64,
-        _: &mut Reached<ShardResult>,
-        _: &mut dyn Observer<Self>,
-    ) -> anyhow::Result<Option<Self::Unit>> {
+    fn unit(&mut self, number: u64, _: &mut At<'_, Self>) -> anyhow::Result<Option<Self::Unit>> {
         let Some(&pair) = self.pairs.get(number as usize) else {
             self.inputs.all_used()?;
             return Ok(None);
@@ -186,12 +174,7 @@ impl<'a> Job for Pairs<'a> {
         Ok(Some((pair, self.inputs.domain(pair[0])?)))
     }
 
-    fn run(
-        &mut self,
-        (number, (pair, domain)): (u64, Self::Unit),
-        at: &mut Reached<ShardResult>,
-        _: &mut dyn Observer<Self>,
-    ) -> anyhow::Result<()> {
+    fn run(&mut self, (number, (pair, domain)): (u64, Self::Unit), at: &mut At<'_, Self>) -> anyhow::Result<()> {
         let compared = compare::run(pair, &domain, self.lanes, &self.request);
         at.part.pairs.push((number, compared.map_err(|why| anyhow::anyhow!("--case: {why}"))?));
         Ok(())
@@ -235,9 +218,8 @@ impl Printed for ShardResult {
         }
         let printed = if printing.json { json(&summary) } else { text(&summary, printing.color) };
         out.write_all(printed.as_bytes())?;
-        Ok(if let Some(signal) = summary.interrupted {
-            writeln!(err, "error: the run was interrupted by {}", signal_name(signal))?;
-            ExitStatus::Interrupted(signal)
+        Ok(if let Some(status) = printing.ended(err)? {
+            status
         } else if !summary.pairs.iter().any(Compared::is_known) {
             writeln!(err, "error: nothing could be compared")?;
             ExitStatus::Error

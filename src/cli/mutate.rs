@@ -13,12 +13,12 @@ use crate::cli::shard::{Printed, Printing, ShardArgs, Terminal};
 use crate::cli::status::ExitStatus;
 use base::diagnostic::Lang;
 use base::did_you_mean;
-use base::text::{Shown, fingerprint};
+use base::text::Shown;
 use engine::mutate::operators::{by_name, registry};
 use engine::mutate::{MutateError, Operator, Request, SuiteResult, Tested, run as run_suite};
-use engine::session::{Job, Join, Observer, Reached, Seen, Unlike};
+use engine::session::{At, Job, Join, Seen, Unlike};
 use engine::shard::{Identity, Shard};
-use engine::suite::run::{DEFAULT_SEED, RunError, signal_name};
+use engine::suite::run::{DEFAULT_SEED, RunError};
 use lanes::{Lane, Stage, interrupt, open_first};
 use report::diagnostics;
 use report::mutate::{Summary, json, text};
@@ -112,16 +112,15 @@ pub fn run(args: &MutateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyho
 
 /// Everything that the result of a run depends on.
 fn identity(args: &MutateArgs, shards: u64, lane: &str, selected: &[Selected]) -> Identity {
-    let mut identity = Identity::new("mutate", args.seed, shards)
+    let identity = Identity::new("mutate", args.seed, shards)
         .with("--samples", args.samples)
         .with("--operator", args.operator.join(","))
         .with(FLOOR, args.floor)
         .with("lane", lane);
-    for one in selected {
-        let text = fingerprint(&format!("{}\n{:?}", one.shader.text(), one.suite));
-        identity = identity.with(&format!("suite `{} ({})`", one.suite.name, one.argument), format!("{text:016x}"));
-    }
-    identity
+    selected.iter().fold(identity, |all, one| {
+        let (what, text) = (format!("suite `{} ({})`", one.suite.name, one.argument), one.shader.text());
+        all.of(&what, &format!("{text}\n{:?}", one.suite))
+    })
 }
 
 /// What is to be done: the mutants of suites on a lane.
@@ -139,31 +138,21 @@ impl Job for Work<'_> {
 
     const SHARED_WITHIN: bool = true;
 
-    fn unit(
-        &mut self,
-        number: u64,
-        _: &mut Reached<ShardResult>,
-        _: &mut dyn Observer<Self>,
-    ) -> anyhow::Result<Option<usize>> {
+    fn unit(&mut self, number: u64, _: &mut At<'_, Self>) -> anyhow::Result<Option<usize>> {
         Ok(Some(number as usize).filter(|suite| *suite < self.selected.len()))
     }
 
-    fn run(
-        &mut self,
-        (_, suite): (u64, usize),
-        at: &mut Reached<ShardResult>,
-        observer: &mut dyn Observer<Self>,
-    ) -> anyhow::Result<()> {
+    fn run(&mut self, (_, suite): (u64, usize), at: &mut At<'_, Self>) -> anyhow::Result<()> {
         let Selected { suite, shader, .. } = &self.selected[suite];
         let (what, on) = (&*suite.name, self.lane.description().name);
-        observer.event(Seen::Begun { what, on, steps: 0 })?;
+        at.observer.event(Seen::Begun { what, on, steps: 0 })?;
         let (mut reported, mut told) = (0, Ok(()));
         let result = run_suite(suite, shader, self.lane, &self.request, &mut |done, all| {
             if reported != all {
                 reported = all;
-                told = observer.event(Seen::Begun { what, on, steps: all as u64 });
+                told = at.observer.event(Seen::Begun { what, on, steps: all as u64 });
             }
-            observer.progress(done as u64);
+            at.observer.progress(done as u64);
         });
         told?;
         let shared = match result {
@@ -177,7 +166,7 @@ impl Job for Work<'_> {
             }
         };
         if let Some(said) = shared.said() {
-            observer.event(Seen::Said(&said))?;
+            at.observer.event(Seen::Said(&said))?;
         }
         at.part.suites.push(shared);
         Ok(())
@@ -288,10 +277,8 @@ impl Printed for ShardResult {
         }
         let floor = identity.parameters.get(FLOOR).and_then(|floor| floor.parse().ok()).unwrap_or(0.0);
         let score = summary.score().share();
-        Ok(if let Some(signal) = printing.interrupted {
-            let name = signal_name(signal);
-            writeln!(err, "error: the run was interrupted by {name}; these are the mutants until then")?;
-            ExitStatus::Interrupted(signal)
+        Ok(if let Some(status) = printing.ended(err)? {
+            status
         } else if !summary.failed.is_empty() {
             ExitStatus::Error
         } else if score.map_or(floor > 0.0, |share| 100.0 * share < floor) {

@@ -44,6 +44,19 @@ pub struct Printing {
     pub interrupted: Option<u8>,
 }
 
+impl Printing {
+    /// The status of a run that a signal ended, which is said; `None` for one that came to its end.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn ended(self, err: &mut dyn Write) -> anyhow::Result<Option<ExitStatus>> {
+        let Some(signal) = self.interrupted else { return Ok(None) };
+        let name = signal_name(signal);
+        writeln!(err, "error: the run was interrupted by {name}; this is what was found until then")?;
+        Ok(Some(ExitStatus::Interrupted(signal)))
+    }
+}
+
 /// What a command found. It is printed by the same code after a run and after the merge of its parts.
 pub trait Printed: Join {
     /// Prints what was found, and gives its status.
@@ -123,8 +136,8 @@ impl<P: Serialize, J: Job<Part = P, Error = anyhow::Error>, W: Observer<J>> Obse
         self.watch.progress(done);
     }
 
-    fn checkpoint(&mut self, at: &Reached<P>) -> anyhow::Result<()> {
-        self.store.save(at)
+    fn checkpoint(&mut self, done: u64, part: &P) -> anyhow::Result<()> {
+        self.store.save(&Reached { done, part })
     }
 
     fn end(&mut self, part: &P) -> anyhow::Result<()> {

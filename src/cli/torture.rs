@@ -13,7 +13,7 @@ use crate::cli::shard::{Printed, Printing, ShardArgs, Terminal, Watch};
 use crate::cli::status::ExitStatus;
 use base::text::Shown;
 use disk::fresh;
-use engine::session::{Job, Join, Observer, Reached, Seen, Unlike};
+use engine::session::{At, Job, Join, Observer, Seen, Unlike};
 use engine::shard::{Identity, Shard};
 use engine::suite::run::{DEFAULT_SEED, Peer};
 use engine::torture::{Asked, Found, Language, Wish};
@@ -152,15 +152,12 @@ pub struct ShardResult {
 const COMMAND: &str = "command";
 
 fn identity(args: &TortureArgs, shards: u64, lanes: &[Description]) -> Identity {
-    let mut identity = Identity::new("torture", args.seed, shards)
+    Identity::new("torture", args.seed, shards)
         .with("--programs", args.programs)
         .with("--first", args.first)
         .with("--samples", args.samples)
-        .with(COMMAND, args.command());
-    for lane in lanes {
-        identity = identity.with(&format!("lane `{}`", lane.name), &lane.driver);
-    }
-    identity
+        .with(COMMAND, args.command())
+        .on(lanes)
 }
 
 impl Job for Programs<'_> {
@@ -169,21 +166,11 @@ impl Job for Programs<'_> {
     type Error = anyhow::Error;
     type Event<'e> = Seen<'e>;
 
-    fn unit(
-        &mut self,
-        number: u64,
-        _: &mut Reached<ShardResult>,
-        _: &mut dyn Observer<Self>,
-    ) -> anyhow::Result<Option<u64>> {
+    fn unit(&mut self, number: u64, _: &mut At<'_, Self>) -> anyhow::Result<Option<u64>> {
         Ok(self.args.first.checked_add(number).filter(|_| number < self.args.programs))
     }
 
-    fn run(
-        &mut self,
-        (_, index): (u64, u64),
-        at: &mut Reached<ShardResult>,
-        _: &mut dyn Observer<Self>,
-    ) -> anyhow::Result<()> {
+    fn run(&mut self, (_, index): (u64, u64), at: &mut At<'_, Self>) -> anyhow::Result<()> {
         at.part.found.program(index, self.peers, &self.args.asked());
         at.part.seconds = self.begun.elapsed().as_secs_f64();
         Ok(())

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::session::{self, Reached};
+use crate::session::{At, Job};
 use crate::shard::Shard;
 use crate::suite::Suite;
 use crate::suite::run::{
@@ -105,8 +105,6 @@ pub enum Event<'e> {
     Suite(usize, &'e Prepared, &'e [Part]),
 }
 
-type Watcher<'w, 'a, S> = dyn session::Observer<Check<'a, S>> + 'w;
-
 impl<'a, S: Suites> Check<'a, S> {
     /// Runs all stages of these lanes.
     pub fn new(suites: S, peers: Vec<Peer<'a>>) -> Self {
@@ -131,8 +129,7 @@ impl<'a, S: Suites> Check<'a, S> {
         peer: Peer<'_>,
         (suite, prepared, first): (usize, &Prepared, usize),
         earlier: &mut dyn Iterator<Item = Part>,
-        at: &mut Reached<Found>,
-        observer: &mut Watcher<'_, 'a, S>,
+        at: &mut At<'_, Self>,
     ) -> Result<ControlFlow<(), bool>, S::Error> {
         let request = self.suites.request(suite, prepared, peer)?;
         let mut untranslated = false;
@@ -147,13 +144,13 @@ impl<'a, S: Suites> Check<'a, S> {
                 at.part.add(suite, part);
                 continue;
             }
-            observer.event(Event::Begun(&task))?;
-            match self.task(&task, at, observer)? {
+            at.observer.event(Event::Begun(&task))?;
+            match self.task(&task, at)? {
                 // A device that is given up because the run ends has not failed.
                 Err(_) | Ok(None) if interrupt::asked() => return Ok(ControlFlow::Break(())),
                 Err(error) => {
                     untranslated |= matches!(error, LaneError::Translator(_));
-                    observer.event(Event::Ended(&task, Err(error)))?;
+                    at.observer.event(Event::Ended(&task, Err(error)))?;
                 }
                 Ok(part) => {
                     let Some(mut part) = part else { return Ok(ControlFlow::Break(())) };
@@ -163,10 +160,10 @@ impl<'a, S: Suites> Check<'a, S> {
                     if is_first && self.translations && whole {
                         part.check_translations(prepared, &request);
                     }
-                    observer.event(Event::Ended(&task, Ok(&part)))?;
+                    at.observer.event(Event::Ended(&task, Ok(&part)))?;
                     at.part.under_way = None;
                     at.part.add(suite, part);
-                    observer.checkpoint(at)?;
+                    at.checkpoint()?;
                 }
             }
         }
@@ -174,22 +171,18 @@ impl<'a, S: Suites> Check<'a, S> {
     }
 
     /// Runs a task; gives nothing when it is interrupted.
-    fn task(
-        &self,
-        task: &Task<'_>,
-        at: &mut Reached<Found>,
-        observer: &mut Watcher<'_, 'a, S>,
-    ) -> Result<Result<Option<Part>, LaneError>, S::Error> {
+    fn task(&self, task: &Task<'_>, at: &mut At<'_, Self>) -> Result<Result<Option<Part>, LaneError>, S::Error> {
         let mut failed = None;
         let resume = at.part.under_way.take();
-        let observer = RefCell::new(observer);
+        let at = RefCell::new(at);
         let mut save = |sampled: &Sampled| {
             // A whole run has no checkpoints.
             if self.shard.is_none() {
                 return ControlFlow::Continue(());
             }
+            let mut at = at.borrow_mut();
             at.part.under_way = Some(sampled.clone());
-            match observer.borrow_mut().checkpoint(at) {
+            match at.checkpoint() {
                 Ok(()) if interrupt::asked() => ControlFlow::Break(()),
                 Ok(()) => ControlFlow::Continue(()),
                 Err(error) => {
@@ -200,7 +193,7 @@ impl<'a, S: Suites> Check<'a, S> {
         };
         let share =
             Share { shard: self.shard.unwrap_or(Shard::WHOLE), resume, save: &mut save, partial: self.shard.is_none() };
-        let mut progress = |done| observer.borrow_mut().progress(done);
+        let mut progress = |done| at.borrow_mut().observer.progress(done);
         let part = run_part(task.prepared, task.peer.lane, task.way, task.request, share, &mut progress);
         failed.map_or(Ok(part), Err)
     }
@@ -213,7 +206,7 @@ impl Found {
     }
 }
 
-impl<'a, S: Suites> session::Job for Check<'a, S> {
+impl<'a, S: Suites> Job for Check<'a, S> {
     type Unit = usize;
     type Part = Found;
     type Error = S::Error;
@@ -221,26 +214,16 @@ impl<'a, S: Suites> session::Job for Check<'a, S> {
 
     const SHARED_WITHIN: bool = true;
 
-    fn unit(
-        &mut self,
-        number: u64,
-        _: &mut Reached<Found>,
-        _: &mut dyn session::Observer<Self>,
-    ) -> Result<Option<usize>, S::Error> {
+    fn unit(&mut self, number: u64, _: &mut At<'_, Self>) -> Result<Option<usize>, S::Error> {
         Ok(Some(number as usize).filter(|suite| *suite < self.suites.count()))
     }
 
-    fn run(
-        &mut self,
-        (_, suite): (u64, usize),
-        at: &mut Reached<Found>,
-        observer: &mut dyn session::Observer<Self>,
-    ) -> Result<(), S::Error> {
+    fn run(&mut self, (_, suite): (u64, usize), at: &mut At<'_, Self>) -> Result<(), S::Error> {
         let prepared = match self.suites.prepare(suite) {
             Ok(prepared) => prepared,
-            Err(error) => return observer.event(Event::Prepared(suite, Err(error))),
+            Err(error) => return at.observer.event(Event::Prepared(suite, Err(error))),
         };
-        observer.event(Event::Prepared(suite, Ok(&prepared)))?;
+        at.observer.event(Event::Prepared(suite, Ok(&prepared)))?;
         // What was done of it before stands in its place again, task by task.
         let first = at.part.of.partition_point(|&of| of < suite);
         at.part.of.truncate(first);
@@ -248,7 +231,7 @@ impl<'a, S: Suites> session::Job for Check<'a, S> {
         let this = (suite, &*prepared, first);
         let mut untranslated = false;
         for &peer in &self.peers {
-            match self.on(peer, this, &mut earlier, at, observer)? {
+            match self.on(peer, this, &mut earlier, at)? {
                 ControlFlow::Continue(failed) => untranslated |= failed,
                 ControlFlow::Break(()) => break,
             }
@@ -261,12 +244,12 @@ impl<'a, S: Suites> session::Job for Check<'a, S> {
         if let Some(lane) = alone.then(embedded::open).and_then(Result::ok) {
             let promises = Promises::of_lane(lane.description());
             let peer = Peer { lane: &*lane, promises: &promises };
-            let _ = self.on(peer, this, &mut earlier, at, observer)?;
+            let _ = self.on(peer, this, &mut earlier, at)?;
         }
         if !interrupt::asked() {
             cross_check(&prepared, &self.peers, &mut at.part.parts[first..]);
         }
-        observer.event(Event::Suite(suite, &prepared, &at.part.parts[first..]))
+        at.observer.event(Event::Suite(suite, &prepared, &at.part.parts[first..]))
     }
 }
 

@@ -52,24 +52,33 @@ pub trait Job: Sized {
     ///
     /// # Errors
     /// What ends the run.
-    fn unit(
-        &mut self,
-        number: u64,
-        at: &mut Reached<Self::Part>,
-        observer: &mut dyn Observer<Self>,
-    ) -> Result<Option<Self::Unit>, Self::Error>;
+    fn unit(&mut self, number: u64, at: &mut At<'_, Self>) -> Result<Option<Self::Unit>, Self::Error>;
 
     /// Does a unit, given with its number, and adds what came of it. Returns early when the process is interrupted: a whole run
     /// keeps what was found until then, a shard forgets it.
     ///
     /// # Errors
     /// What ends the run.
-    fn run(
-        &mut self,
-        unit: (u64, Self::Unit),
-        at: &mut Reached<Self::Part>,
-        observer: &mut dyn Observer<Self>,
-    ) -> Result<(), Self::Error>;
+    fn run(&mut self, unit: (u64, Self::Unit), at: &mut At<'_, Self>) -> Result<(), Self::Error>;
+}
+
+/// Where a run is, as its job sees it.
+pub struct At<'o, J: Job> {
+    /// What was found, and what a unit under way needs to go on.
+    pub part: J::Part,
+    /// Who watches.
+    pub observer: &'o mut dyn Observer<J>,
+    done: u64,
+}
+
+impl<J: Job> At<'_, J> {
+    /// Tells that the run can go on from here.
+    ///
+    /// # Errors
+    /// What the observer ends the run with.
+    pub fn checkpoint(&mut self) -> Result<(), J::Error> {
+        self.observer.checkpoint(self.done, &self.part)
+    }
 }
 
 /// Who watches a run, and may end it.
@@ -85,11 +94,11 @@ pub trait Observer<J: Job> {
     /// So many steps of the unit are done.
     fn progress(&mut self, _: u64) {}
 
-    /// The run is so far, and can go on from here.
+    /// The run can go on from here, with so many units done.
     ///
     /// # Errors
     /// What ends the run.
-    fn checkpoint(&mut self, _: &Reached<J::Part>) -> Result<(), J::Error> {
+    fn checkpoint(&mut self, _: u64, _: &J::Part) -> Result<(), J::Error> {
         Ok(())
     }
 
@@ -142,28 +151,29 @@ impl<P> Reached<P> {
 pub fn run<J: Job>(
     job: &mut J,
     shard: Option<Shard>,
-    mut at: Reached<J::Part>,
+    Reached { done, part }: Reached<J::Part>,
     observer: &mut dyn Observer<J>,
 ) -> Result<Option<J::Part>, J::Error> {
     let mine = |unit: u64| J::SHARED_WITHIN || shard.is_none_or(|shard| unit % shard.count() == shard.index());
+    let mut at = At { part, observer, done };
     let mut own = 0;
     for number in 0.. {
-        let Some(unit) = job.unit(number, &mut at, observer)? else { break };
+        let Some(unit) = job.unit(number, &mut at)? else { break };
         own += u64::from(mine(number));
         if !mine(number) || own <= at.done {
             continue;
         }
-        job.run((number, unit), &mut at, observer)?;
+        job.run((number, unit), &mut at)?;
         match (interrupt::asked(), shard) {
             (true, Some(_)) => return Ok(None),
             (true, None) => {
-                observer.end(&at.part)?;
+                at.observer.end(&at.part)?;
                 break;
             }
             (false, _) => {
                 at.done = own;
-                observer.end(&at.part)?;
-                observer.checkpoint(&at)?;
+                at.observer.end(&at.part)?;
+                at.checkpoint()?;
             }
         }
     }

@@ -12,7 +12,6 @@ use super::select::Selected;
 use super::{Asked, CheckArgs};
 use crate::cli::shard::{Absent, Earlier, Printed, Printing, Store, Stored};
 use crate::cli::status::ExitStatus;
-use base::text::fingerprint;
 use engine::check::{Check, Event, Found};
 use engine::session::{self, Join, Observer, Reached, Unlike};
 use engine::shard::{Identity, Shard};
@@ -58,8 +57,7 @@ fn identity(args: &CheckArgs, shard: Shard, selected: &[Selected], lanes: &[Lane
     }
     for one in selected {
         let text = format!("{}\n{:?}\n{:?}", one.shader.text(), one.suite, one.saved);
-        identity = identity
-            .with(&format!("suite `{}` ({})", one.suite.name, one.argument), format!("{:016x}", fingerprint(&text)));
+        identity = identity.of(&format!("suite `{}` ({})", one.suite.name, one.argument), &text);
     }
     identity
 }

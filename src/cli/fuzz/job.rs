@@ -10,9 +10,8 @@ use super::{FuzzArgs, IncludedText, Inputs, all_known, command, stub, subjects};
 use crate::cli::shard::{Absent, Printed, Printing, Terminal, Watch};
 use crate::cli::status::ExitStatus;
 use base::diagnostic::{Diagnostic, Lang};
-use base::text::fingerprint;
 use engine::fuzz::{self, Domain, FunctionReport, Request, Subject};
-use engine::session::{Job, Join, Observer, Reached, Unlike};
+use engine::session::{At, Job, Join, Observer, Unlike};
 use engine::shard::Identity;
 use judge::profile::Promises;
 use lanes::{Description, Lane, Unavailable};
@@ -23,21 +22,15 @@ const NOTES: &str = "--notes";
 
 /// Everything that the result of a run depends on.
 pub fn identity(args: &FuzzArgs, shards: u64, sources: &[IncludedText], lanes: &[Description]) -> Identity {
-    let mut identity = Identity::new("fuzz", args.input.seed, shards)
+    let identity = Identity::new("fuzz", args.input.seed, shards)
         .with("--samples", args.samples)
         .with(NOTES, args.notes)
         .with("--hostile", args.hostile)
         .with("--strict-integers", args.strict_integers)
         .with("--function", args.function.join(","))
-        .with("--domain", args.input.domain.join("; "));
-    for lane in lanes {
-        identity = identity.with(&format!("lane `{}`", lane.name), &lane.driver);
-    }
-    for source in sources {
-        let text = fingerprint(source.file.text());
-        identity = identity.with(&format!("file `{}`", source.name), format!("{text:016x}"));
-    }
-    identity
+        .with("--domain", args.input.domain.join("; "))
+        .on(lanes);
+    sources.iter().fold(identity, |all, source| all.of(&format!("file `{}`", source.name), source.file.text()))
 }
 
 /// The functions of all files, read file by file.
@@ -81,12 +74,7 @@ impl Job for Functions<'_> {
     type Error = anyhow::Error;
     type Event<'e> = Event<'e>;
 
-    fn unit(
-        &mut self,
-        _: u64,
-        at: &mut Reached<ShardResult>,
-        observer: &mut dyn Observer<Self>,
-    ) -> anyhow::Result<Option<Self::Unit>> {
+    fn unit(&mut self, _: u64, at: &mut At<'_, Self>) -> anyhow::Result<Option<Self::Unit>> {
         loop {
             if let Some(subject) = self.left.next() {
                 let domain = self.inputs.domain(&subject)?;
@@ -102,7 +90,7 @@ impl Job for Functions<'_> {
             };
             let asked = (&self.args.function[..], &self.args.input.define[..]);
             let (errors, subjects) = subjects(asked, source, &mut self.known)?;
-            observer.event(Event::File(source, &errors))?;
+            at.observer.event(Event::File(source, &errors))?;
             anyhow::ensure!(
                 self.whole || errors.is_empty(),
                 "`{}` does not compile, so that no part of the run can be done",
@@ -119,12 +107,11 @@ impl Job for Functions<'_> {
     fn run(
         &mut self,
         (number, (file, subject, domain)): (u64, Self::Unit),
-        at: &mut Reached<ShardResult>,
-        observer: &mut dyn Observer<Self>,
+        at: &mut At<'_, Self>,
     ) -> anyhow::Result<()> {
         let args = self.args;
         let on = if args.all_lanes { "all lanes" } else { "lanes" };
-        observer.event(Event::Function { what: &subject.label, on, steps: args.samples })?;
+        at.observer.event(Event::Function { what: &subject.label, on, steps: args.samples })?;
         let request = Request {
             samples: args.samples,
             seed: args.input.seed,

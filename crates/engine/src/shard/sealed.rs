@@ -7,6 +7,9 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use base::text::fingerprint;
+use lanes::Description;
+
 /// Name of the format.
 pub const SCHEMA: &str = "shadercheck.shard";
 /// Its version: raised when a reader of the one before could misread it.
@@ -51,6 +54,18 @@ impl Identity {
     pub fn with(mut self, name: &str, value: impl ToString) -> Self {
         self.parameters.insert(name.to_owned(), value.to_string());
         self
+    }
+
+    /// The same on lanes, each with its driver.
+    #[must_use]
+    pub fn on<'l>(self, lanes: impl IntoIterator<Item = &'l Description>) -> Self {
+        lanes.into_iter().fold(self, |all, lane| all.with(&format!("lane `{}`", lane.name), &lane.driver))
+    }
+
+    /// The same of a text, known by its fingerprint.
+    #[must_use]
+    pub fn of(self, what: &str, text: &str) -> Self {
+        self.with(what, format!("{:016x}", fingerprint(text)))
     }
 
     /// Whether both are of one run.
