@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use clap::Args;
+use serde::{Deserialize, Serialize};
 
 use super::below;
 use super::check::{Format, profile, shell_word};
@@ -14,17 +15,20 @@ use super::fuzz::{Inputs, all_known, subjects};
 use super::includes::{self, IncludedText};
 use super::inputs::InputArgs;
 use super::lint::{diff, write};
+use super::shard::{Printed, Printing, ShardArgs, Terminal};
 use super::status::ExitStatus;
 use super::translate;
 use base::diagnostic::Lang;
 use base::text::{EditList, Shown as _, SourceFile};
-use engine::fuzz::Subject;
+use engine::fuzz::{Domain, Subject};
 use engine::improve::{self, Request};
+use engine::session::{At, Job, Join, Seen, Unlike};
+use engine::shard::Identity;
 use judge::profile::Profile;
 use lanes::{Lane, StandIn, Wanted, interrupt};
 use lint::fix::FixedFile;
 use program::Written;
-use report::improve::{FileReport, Summary, json, text};
+use report::improve::{FileReport, Summary, json};
 
 /// Points of a proof, when none are asked for.
 const SAMPLES: u64 = 1 << 20;
@@ -69,7 +73,10 @@ pub struct ImproveArgs {
     /// Write the first proposal of each expression into its file
     #[arg(long)]
     pub fix: bool,
-    /// Format of the result
+    /// Which files of the run: file `k` is done by shard `k` modulo N
+    #[command(flatten)]
+    pub sharing: ShardArgs,
+    /// How the result is printed
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }
@@ -80,7 +87,8 @@ pub struct ImproveArgs {
 /// When a file cannot be read or written, is neither GLSL nor WGSL, a name is unknown, a range has no end, a lane is not available, or
 /// output fails.
 pub fn run(args: &ImproveArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
-    let stage = args.input.stage();
+    let shard = args.sharing.shard()?;
+    anyhow::ensure!(shard.is_none() || !args.fix, "--shard does a part of the files; --fix is for a run without it");
     let stated = args.input.domains()?;
     let Some(profile) = profile::named(&args.profile)? else {
         anyhow::bail!("--profile: a proposal needs bounds; `none` has none");
@@ -89,52 +97,182 @@ pub fn run(args: &ImproveArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
     let missing: Vec<String> = opened.missing.iter().map(|(name, error)| format!("lane `{name}`: {error}")).collect();
     anyhow::ensure!(missing.is_empty(), "{}", missing.join("; "));
     let lanes: Vec<&dyn Lane> = opened.lanes.iter().map(AsRef::as_ref).collect();
-    let mut inputs = Inputs::new(&stated);
-    let mut known = Vec::new();
-    let mut summary = Summary { seed: args.input.seed, profile: profile.name.clone(), files: Vec::new() };
-    let mut broken = false;
     let improved = |path: &Path| matches!(Written::of_path(&path.to_string_lossy()), Written::Glsl | Written::Wgsl);
-    let (files, searched) = below::shaders(&args.files, improved)?;
-    for given in &files {
-        let (path, line) = at_line(given);
-        let compose = ComposeArgs::default();
-        let mut source = match includes::read(&path, &args.input.reading(Some(&compose), None)) {
-            Ok(source) => source,
-            Err(error) if searched => {
-                writeln!(err, "left out: {error:#}")?;
-                continue;
+    let (paths, searched) = below::shaders(&args.files, improved)?;
+    let (inputs, known) = (Inputs::new(&stated), Vec::new());
+    let key = |shards| identity(args, shards, &paths, &lanes);
+    let mut files = Files { args, paths: &paths, searched, profile: &profile, lanes: &lanes, inputs, known };
+    let part = ShardResult { profile: profile.name.clone(), files: Vec::new() };
+    let printing = Printing { json: args.format == Format::Json, color, ..Printing::default() };
+    args.sharing.run(&mut files, part, key, &mut Terminal::new(printing.json, out, err), printing)
+}
+
+/// Everything that the result of a run depends on.
+fn identity(args: &ImproveArgs, shards: u64, paths: &[PathBuf], lanes: &[&dyn Lane]) -> Identity {
+    let identity = Identity::new("improve", args.input.seed, shards)
+        .with("inputs", args.input.words())
+        .with("--function", args.function.join("; "))
+        .with("--profile", &args.profile)
+        .with("--samples", args.samples)
+        .on(lanes.iter().map(|lane| lane.description()));
+    let of = |all: Identity, path: &PathBuf| match text(args, path) {
+        Ok((source, _)) => all.of(&format!("file `{}`", path.shown()), source.file.text()),
+        Err(_) => all,
+    };
+    paths.iter().fold(identity, of)
+}
+
+/// A file, and the line that alone is meant.
+fn text(args: &ImproveArgs, path: &Path) -> anyhow::Result<(IncludedText, Option<usize>)> {
+    let (path, line) = at_line(path);
+    let compose = ComposeArgs::default();
+    let mut source = includes::read(&path, &args.input.reading(Some(&compose), None))?;
+    source.stage = args.input.stage().unwrap_or(source.stage);
+    anyhow::ensure!(
+        matches!(Written::of(&source.file), Written::Glsl | Written::Wgsl),
+        "`{}`: expressions of GLSL and WGSL are improved; translate it, or improve the formula in a file of its own",
+        path.shown()
+    );
+    Ok((source, line))
+}
+
+/// The files of a run.
+struct Files<'a> {
+    args: &'a ImproveArgs,
+    paths: &'a [PathBuf],
+    /// They were found in a folder.
+    searched: bool,
+    profile: &'a Profile,
+    lanes: &'a [&'a dyn Lane],
+    inputs: Inputs<'a>,
+    known: Vec<String>,
+}
+
+/// A file with its functions and their inputs.
+struct Unit {
+    source: IncludedText,
+    line: Option<usize>,
+    subjects: Vec<(Subject, Domain)>,
+}
+
+/// What came of a file.
+#[derive(Debug, Serialize, Deserialize)]
+enum Outcome {
+    Report(FileReport),
+    /// It does not compile: its diagnostics.
+    Broken(String),
+    /// It cannot be read, of a folder whose other files can.
+    LeftOut(String),
+}
+
+impl Outcome {
+    /// What is said of it beside the report.
+    fn said(&self) -> Option<&str> {
+        match self {
+            Self::Report(_) => None,
+            Self::Broken(said) | Self::LeftOut(said) => Some(said),
+        }
+    }
+}
+
+impl Job for Files<'_> {
+    type Unit = Result<Unit, Outcome>;
+    type Part = ShardResult;
+    type Error = anyhow::Error;
+    type Event<'e> = Seen<'e>;
+
+    fn unit(&mut self, number: u64, at: &mut At<'_, Self>) -> anyhow::Result<Option<Self::Unit>> {
+        let args = self.args;
+        let Some(path) = self.paths.get(number as usize) else {
+            if !at.part.is_broken() {
+                all_known(&args.function, &self.known)?;
+                self.inputs.all_used()?;
             }
+            return Ok(None);
+        };
+        let (source, line) = match text(args, path) {
+            Ok(text) => text,
+            Err(error) if self.searched => return Ok(Some(Err(Outcome::LeftOut(format!("left out: {error:#}\n"))))),
             Err(error) => return Err(error),
         };
-        source.stage = stage.unwrap_or(source.stage);
-        anyhow::ensure!(
-            matches!(Written::of(&source.file), Written::Glsl | Written::Wgsl),
-            "`{}`: expressions of GLSL and WGSL are improved; translate it, or improve the formula in a file of its own",
-            path.shown()
-        );
-        let run = Run { args, source: &source, line, profile: &profile, lanes: &lanes };
-        match run.file(&path, &mut inputs, &mut known, err)? {
-            Some(report) => summary.files.push(report),
-            None => broken = true,
+        let (errors, subjects) = subjects((&args.function, &args.input.define), &source, &mut self.known)?;
+        if !errors.is_empty() {
+            let said = errors.iter().map(|error| report::diagnostics::text(error, Lang::En, false)).collect();
+            return Ok(Some(Err(Outcome::Broken(said))));
         }
-        if interrupt::asked() {
-            break;
+        let mut with_inputs = Vec::new();
+        for subject in subjects {
+            let domain = self.inputs.domain(&subject)?;
+            with_inputs.push((subject, domain));
         }
+        Ok(Some(Ok(Unit { source, line, subjects: with_inputs })))
     }
-    if !broken && interrupt::signal().is_none() {
-        all_known(&args.function, &known)?;
-        inputs.all_used()?;
+
+    fn run(&mut self, (number, unit): (u64, Self::Unit), at: &mut At<'_, Self>) -> anyhow::Result<()> {
+        let outcome = match unit {
+            Ok(Unit { source, line, subjects }) => {
+                let run = Run { args: self.args, source: &source, line, profile: self.profile, lanes: self.lanes };
+                run.file(&subjects)?.map_or_else(|| Outcome::Broken(String::new()), Outcome::Report)
+            }
+            Err(outcome) => outcome,
+        };
+        if let Some(said) = outcome.said() {
+            at.observer.event(Seen::Said(said))?;
+        }
+        at.part.files.push((number, outcome));
+        Ok(())
     }
-    match args.format {
-        Format::Text => out.write_all(text(&summary, color).as_bytes())?,
-        Format::Json => out.write_all(json(&summary).as_bytes())?,
+}
+
+/// What came of some files, each with its number in the run.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct ShardResult {
+    profile: String,
+    files: Vec<(u64, Outcome)>,
+}
+
+impl ShardResult {
+    fn is_broken(&self) -> bool {
+        self.files.iter().any(|(_, outcome)| matches!(outcome, Outcome::Broken(_)))
     }
-    out.flush()?;
-    Ok(match interrupt::signal() {
-        Some(signal) => ExitStatus::Interrupted(signal),
-        None if broken || (summary.counts().0 > 0 && !args.fix) => ExitStatus::Findings,
-        None => ExitStatus::Clean,
-    })
+}
+
+impl Join for ShardResult {
+    fn join(&mut self, other: Self) -> Result<(), Unlike> {
+        Unlike::unless(self.profile == other.profile, "used different profiles")?;
+        self.files.extend(other.files);
+        self.files.sort_by_key(|(number, _)| *number);
+        Ok(())
+    }
+}
+
+impl Printed for ShardResult {
+    fn print(
+        self,
+        identity: &Identity,
+        printing: Printing,
+        out: &mut dyn Write,
+        err: &mut dyn Write,
+    ) -> anyhow::Result<ExitStatus> {
+        let broken = self.is_broken();
+        for (_, outcome) in self.files.iter().filter(|_| !printing.live) {
+            outcome.said().map_or(Ok(()), |said| err.write_all(said.as_bytes()))?;
+        }
+        let file = |(_, outcome)| match outcome {
+            Outcome::Report(file) => Some(file),
+            Outcome::Broken(_) | Outcome::LeftOut(_) => None,
+        };
+        let files: Vec<FileReport> = self.files.into_iter().filter_map(file).collect();
+        let summary = Summary { seed: identity.seed, profile: self.profile, files };
+        let printed = if printing.json { json(&summary) } else { report::improve::text(&summary, printing.color) };
+        out.write_all(printed.as_bytes())?;
+        let open = summary.files.iter().any(|file| file.patch.is_some() && !file.written);
+        Ok(match printing.ended(err)? {
+            Some(status) => status,
+            None if broken || open => ExitStatus::Findings,
+            None => ExitStatus::Clean,
+        })
+    }
 }
 
 /// A file and a line of it: `a.frag:12`.
@@ -156,26 +294,14 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// The report; none where the file does not compile, which is printed.
-    fn file(
-        &self,
-        path: &std::path::Path,
-        inputs: &mut Inputs<'_>,
-        known: &mut Vec<String>,
-        err: &mut dyn Write,
-    ) -> anyhow::Result<Option<FileReport>> {
-        let own = translate::read(path)?;
-        let (errors, subjects) = subjects((&self.args.function, &self.args.input.define), self.source, known)?;
-        for error in &errors {
-            err.write_all(report::diagnostics::text(error, Lang::En, false).as_bytes())?;
-        }
-        if !errors.is_empty() {
-            return Ok(None);
-        }
+    /// The report; none where there is no syntax tree.
+    fn file(&self, subjects: &[(Subject, Domain)]) -> anyhow::Result<Option<FileReport>> {
+        let own = translate::read(&self.source.path)?;
         let module = if Written::of(&self.source.file) == Written::Wgsl { self.source.module().ok() } else { None };
         let parsed = module.is_none().then(|| self.source.parsed(&self.args.input.define).shader);
         let tree = module.as_ref().and_then(|module| module.tree()).or(parsed.as_ref());
         let Some(shader) = tree else { return Ok(None) };
+        let mut report = FileReport { file: self.source.name.clone(), ..FileReport::default() };
         let request = Request {
             samples: self.args.samples,
             seed: self.args.input.seed,
@@ -185,9 +311,8 @@ impl Run<'_> {
             time: Duration::from_secs(4),
             command: format!("shadercheck improve {}", shell_word(&self.source.given)),
         };
-        let mut report = FileReport { file: self.source.name.clone(), ..FileReport::default() };
         let halves = improve::halves(shader);
-        for subject in &subjects {
+        for (subject, domain) in subjects {
             if halves.contains(&subject.name) {
                 report.not_run.push((subject.label.clone(), improve::OF_HALVES.to_owned()));
                 continue;
@@ -196,15 +321,14 @@ impl Run<'_> {
                 report.not_run.push((subject.label.clone(), why.clone()));
                 continue;
             }
-            let domain = inputs.domain(subject)?;
             let again = |file: &SourceFile| self.changed(file, subject);
-            let found = improve::run((shader, &own, subject), &domain, self.lanes, &request, &again);
+            let found = improve::run((shader, &own, subject), domain, self.lanes, &request, &again);
             report.expressions.extend(found.map_err(|why| anyhow::anyhow!("{}: {why}", subject.at))?);
             if interrupt::asked() {
                 break;
             }
         }
-        self.patched(path, &own, &mut report)?;
+        self.patched(&own, &mut report)?;
         Ok(Some(report))
     }
 
@@ -221,7 +345,7 @@ impl Run<'_> {
     }
 
     /// The patch of the first proposals, written where that is asked for.
-    fn patched(&self, path: &std::path::Path, own: &SourceFile, report: &mut FileReport) -> anyhow::Result<()> {
+    fn patched(&self, own: &SourceFile, report: &mut FileReport) -> anyhow::Result<()> {
         let mut edits = EditList::new();
         for expression in &report.expressions {
             if let Some(first) = expression.proposals.first() {
@@ -234,7 +358,7 @@ impl Run<'_> {
         let changed = edits.apply(own.text()).context("internal error, please report: the proposals overlap")?;
         let after = SourceFile::new(own.name(), changed.text.as_str());
         if self.args.fix {
-            write::replace(path, own.text().as_bytes(), after.text().as_bytes())?;
+            write::replace(&self.source.path, own.text().as_bytes(), after.text().as_bytes())?;
             report.written = true;
         }
         report.patch = Some(diff::unified(&FixedFile { before: own.clone(), after }));

@@ -12,7 +12,7 @@ use serde_json::Value;
 use super::check::Format;
 use super::shard::{Printed, Printing};
 use super::status::ExitStatus;
-use super::{calibrate, check, compare, fuzz, mutate, refdata, torture};
+use super::{calibrate, check, compare, fuzz, improve, mutate, refdata, torture, tune};
 use base::text::Shown;
 use disk::fresh;
 use engine::shard::{self, Identity, Sealed, Shard, Sort};
@@ -104,6 +104,8 @@ pub fn run(args: &MergeArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     match merge.identity.command.as_str() {
         "check" => merge.of::<check::ShardResult>(all, out, err),
         "compare" => merge.of::<compare::ShardResult>(all, out, err),
+        "improve" => merge.of::<improve::ShardResult>(all, out, err),
+        "tune" => merge.of::<tune::ShardResult>(all, out, err),
         "fuzz" => merge.of::<fuzz::ShardResult>(all, out, err),
         "mutate" => merge.of::<mutate::ShardResult>(all, out, err),
         "torture" => merge.of::<torture::ShardResult>(all, out, err),

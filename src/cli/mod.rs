@@ -251,7 +251,13 @@ impl Command {
     fn ends_early(&self) -> bool {
         matches!(
             self,
-            Self::Check(_) | Self::Fuzz(_) | Self::Compare(_) | Self::Improve(_) | Self::Mutate(_) | Self::Torture(_)
+            Self::Check(_)
+                | Self::Fuzz(_)
+                | Self::Compare(_)
+                | Self::Improve(_)
+                | Self::Tune(_)
+                | Self::Mutate(_)
+                | Self::Torture(_)
         )
     }
 }

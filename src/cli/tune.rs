@@ -1,9 +1,10 @@
 //! `shadercheck tune`: which declarations of a shader may be `mediump`.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
+use serde::{Deserialize, Serialize};
 
 use super::below;
 use super::check::Format;
@@ -13,10 +14,13 @@ use super::fuzz::{Inputs, all_known, subjects};
 use super::includes::{self, IncludedText};
 use super::inputs::InputArgs;
 use super::lint::{diff, write};
+use super::shard::{Printed, Printing, ShardArgs, Terminal};
 use super::status::ExitStatus;
 use base::diagnostic::Lang;
 use base::text::{Shown as _, SourceFile};
-use engine::fuzz::Subject;
+use engine::fuzz::{Domain, Subject};
+use engine::session::{At, Job, Join, Seen, Unlike};
+use engine::shard::Identity;
 use engine::tune::{self, Request, Stated, Tolerance};
 use lanes::interrupt;
 use lint::fix::FixedFile;
@@ -76,7 +80,10 @@ pub struct TuneArgs {
     /// Write the precisions into the files
     #[arg(long)]
     pub fix: bool,
-    /// Format of the result
+    /// Which shaders of the run: shader `k` is done by shard `k` modulo N
+    #[command(flatten)]
+    pub sharing: ShardArgs,
+    /// How the result is printed
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }
@@ -127,139 +134,251 @@ fn tolerances(args: &TuneArgs) -> anyhow::Result<Stated> {
 /// When a file cannot be read or written, is no GLSL, has nothing to tune, a name is unknown, a range has no end, an output
 /// has no format, or output fails.
 pub fn run(args: &TuneArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
-    let stage = args.input.stage();
+    let shard = args.sharing.shard()?;
+    anyhow::ensure!(shard.is_none() || !args.fix, "--shard does a part of the shaders; --fix is for a run without it");
     let domains = args.input.domains()?;
     let request =
         Request { samples: args.samples, seed: args.input.seed, stated: tolerances(args)?, texels: args.texture_size };
-    let mut inputs = Inputs::new(&domains);
-    let mut summary = Summary { seed: args.input.seed, files: Vec::new() };
-    let mut broken = false;
+    let wanted = |path: &Path| Written::of_path(&path.to_string_lossy()) == Written::Glsl;
+    let (files, searched) = below::shaders(&args.files, wanted)?;
+    let key = |shards| identity(args, shards, &files);
+    let inputs = Inputs::new(&domains);
+    let mut shaders = Shaders { args, request, files: &files, searched, inputs, read: 0, sources: Vec::new(), next: 0 };
+    let printing = Printing { json: args.format == Format::Json, color, ..Printing::default() };
+    let mut terminal = Terminal::new(printing.json, out, err);
+    args.sharing.run(&mut shaders, ShardResult::default(), key, &mut terminal, printing)
+}
+
+/// Everything that the result of a run depends on.
+fn identity(args: &TuneArgs, shards: u64, files: &[PathBuf]) -> Identity {
+    let identity = Identity::new("tune", args.input.seed, shards)
+        .with("inputs", args.input.words())
+        .with("--entry", args.entry.as_deref().unwrap_or_default())
+        .with("--error", args.error.join("; "))
+        .with("--target", args.target.join("; "))
+        .with("--viewport", format!("{:?}", args.viewport))
+        .with("--texture-size", args.texture_size)
+        .with("--samples", args.samples);
+    let texts = files.iter().filter_map(|path| texts(args, path).ok()).flatten();
+    texts.fold(identity, |all, text| all.of(&format!("file `{}`", text.name), text.file.text()))
+}
+
+/// The shaders of a file.
+fn texts(args: &TuneArgs, path: &Path) -> anyhow::Result<Vec<IncludedText>> {
     let compose = ComposeArgs::default();
-    let (files, searched) =
-        below::shaders(&args.files, |path| Written::of_path(&path.to_string_lossy()) == Written::Glsl)?;
-    'files: for path in &files {
-        let reading = args.input.reading(Some(&compose), None);
-        let mut sources = match includes::read_all(path, &reading, stage) {
-            Ok(sources) => sources,
-            Err(error) if searched => {
-                writeln!(err, "left out: {error:#}")?;
-                continue;
-            }
-            Err(error) => return Err(error),
-        };
-        let count = sources.len();
-        for number in 0..count {
-            let Some(source) = sources.get_mut(number) else { break };
-            source.stage = stage.unwrap_or(source.stage);
-            anyhow::ensure!(
-                Written::of(&source.file) == Written::Glsl,
-                "`{}`: only GLSL has qualifiers of precision to tune; in WGSL declare `f16` where the report of a translation \
-                 (`shadercheck translate --to glsl`) says `mediump`",
-                path.shown()
-            );
-            let mut tuned = Tuned { args, request: &request, inputs: &mut inputs, err };
-            match tuned.one(source)? {
-                Outcome::Report(file) => {
-                    if file.written {
-                        // It is there for the next shader of the file.
-                        sources = includes::read_all(path, &reading, stage)?;
-                    }
-                    summary.files.push(*file);
-                }
-                Outcome::Broken => broken = true,
-                // Of several shaders those are tuned that can be.
-                Outcome::Nothing(why) if count > 1 || searched => writeln!(err, "note: {}: {why}", source.name)?,
-                Outcome::Nothing(why) => anyhow::bail!("{why}"),
-            }
-            if interrupt::asked() {
-                break 'files;
-            }
-        }
-    }
-    if !broken && interrupt::signal().is_none() {
-        inputs.all_used()?;
-    }
-    match args.format {
-        Format::Text => out.write_all(text(&summary, color).as_bytes())?,
-        Format::Json => out.write_all(json(&summary).as_bytes())?,
-    }
-    out.flush()?;
-    let open = |file: &FileReport| file.report.beyond.is_some() || (file.patch.is_some() && !file.written);
-    Ok(match interrupt::signal() {
-        Some(signal) => ExitStatus::Interrupted(signal),
-        None if broken || summary.files.iter().any(open) => ExitStatus::Findings,
-        None => ExitStatus::Clean,
-    })
+    includes::read_all(path, &args.input.reading(Some(&compose), None), args.input.stage())
 }
 
-/// What came of one shader.
-enum Outcome {
-    Report(Box<FileReport>),
-    /// It does not compile, which was told.
-    Broken,
-    /// Why there is nothing to report.
-    Nothing(String),
-}
-
-/// What the shaders of a run share.
-struct Tuned<'a, 'i> {
+/// The shaders of all files, read file by file.
+struct Shaders<'a> {
     args: &'a TuneArgs,
-    request: &'a Request,
-    inputs: &'a mut Inputs<'i>,
-    err: &'a mut dyn Write,
+    request: Request,
+    files: &'a [PathBuf],
+    /// The files were found in a folder.
+    searched: bool,
+    inputs: Inputs<'a>,
+    /// Files that were read, the shaders of the last one, and which of them comes next.
+    read: usize,
+    sources: Vec<IncludedText>,
+    next: usize,
 }
 
-impl Tuned<'_, '_> {
-    fn one(&mut self, source: &IncludedText) -> anyhow::Result<Outcome> {
-        let args = self.args;
+/// A shader that is tuned, or why it is not.
+type Unit = Result<Box<(SourceFile, Subject, Domain)>, Outcome>;
+
+impl Job for Shaders<'_> {
+    type Unit = Unit;
+    type Part = ShardResult;
+    type Error = anyhow::Error;
+    type Event<'e> = Seen<'e>;
+
+    fn unit(&mut self, _: u64, at: &mut At<'_, Self>) -> anyhow::Result<Option<Unit>> {
+        while self.next == self.sources.len() {
+            let Some(path) = self.files.get(self.read) else {
+                if !at.part.is_broken() {
+                    self.inputs.all_used()?;
+                }
+                return Ok(None);
+            };
+            (self.read, self.next) = (self.read + 1, 0);
+            self.sources = match texts(self.args, path) {
+                Ok(sources) => sources,
+                Err(error) if self.searched => {
+                    at.observer.event(Seen::Said(&format!("left out: {error:#}\n")))?;
+                    Vec::new()
+                }
+                Err(error) => return Err(error),
+            };
+        }
+        self.next += 1;
+        let source = &mut self.sources[self.next - 1];
+        source.stage = self.args.input.stage().unwrap_or(source.stage);
+        anyhow::ensure!(
+            Written::of(&source.file) == Written::Glsl,
+            "`{}`: only GLSL has qualifiers of precision to tune; in WGSL declare `f16` where the report of a translation \
+             (`shadercheck translate --to glsl`) says `mediump`",
+            source.path.shown()
+        );
+        self.ready().map(Some)
+    }
+
+    fn run(&mut self, (number, unit): (u64, Unit), at: &mut At<'_, Self>) -> anyhow::Result<()> {
+        let outcome = match unit {
+            Ok(unit) => match self.tuned(*unit)? {
+                Some(outcome) => outcome,
+                None => return Ok(()),
+            },
+            Err(outcome) => outcome,
+        };
+        let outcome = match outcome {
+            // Of several shaders those are tuned that can be.
+            Outcome::Nothing(why) if self.sources.len() > 1 || self.searched => {
+                Outcome::Nothing(format!("note: {}: {why}\n", self.sources[self.next - 1].name))
+            }
+            Outcome::Nothing(why) => anyhow::bail!("{why}"),
+            Outcome::Report(_) | Outcome::Broken(_) => outcome,
+        };
+        if let Some(said) = outcome.said() {
+            at.observer.event(Seen::Said(said))?;
+        }
+        at.part.shaders.push((number, outcome));
+        Ok(())
+    }
+}
+
+impl Shaders<'_> {
+    /// The function of the shader under way whose outputs count, with its inputs.
+    fn ready(&mut self) -> anyhow::Result<Unit> {
+        let (args, source) = (self.args, &self.sources[self.next - 1]);
         let wanted: Vec<String> = args.entry.iter().cloned().collect();
         let own = source.author()?;
         let mut known = Vec::new();
         let (errors, subjects) = subjects((&wanted, &args.input.define), source, &mut known)?;
-        for error in &errors {
-            self.err.write_all(report::diagnostics::text(error, Lang::En, false).as_bytes())?;
-        }
         if !errors.is_empty() {
-            return Ok(Outcome::Broken);
+            let said = errors.iter().map(|error| report::diagnostics::text(error, Lang::En, false)).collect();
+            return Ok(Err(Outcome::Broken(said)));
         }
         all_known(&wanted, &known)?;
-        let subject = match chosen(&subjects, args.entry.as_deref()) {
-            Ok(subject) => subject,
-            Err(why) => return Ok(Outcome::Nothing(format!("`{}`: {why}", source.name))),
-        };
-        let domain = self.inputs.domain(subject)?;
+        match chosen(subjects, args.entry.as_deref()) {
+            Ok(subject) => {
+                let domain = self.inputs.domain(&subject)?;
+                Ok(Ok(Box::new((own, subject, domain))))
+            }
+            Err(why) => Ok(Err(Outcome::Nothing(format!("`{}`: {why}", source.name)))),
+        }
+    }
+
+    /// What comes of it; nothing where the run was interrupted, since devices were then not run to the end.
+    fn tuned(&mut self, (own, subject, domain): (SourceFile, Subject, Domain)) -> anyhow::Result<Option<Outcome>> {
+        let (args, source) = (self.args, &self.sources[self.next - 1]);
         let parsed = source.parsed(&args.input.define);
         let again = |file: &SourceFile| match source.changed(file, &args.input.reading(None, None)) {
             Ok(changed) => changed.parsed(&args.input.define),
             Err(_) => Shader::parse_with(file, source.stage, &args.input.define),
         };
-        let report = match tune::run((&parsed, &own, subject), &domain, self.request, &again) {
+        let tuned = tune::run((&parsed, &own, &subject), &domain, &self.request, &again);
+        let report = match tuned {
+            _ if interrupt::asked() => return Ok(None),
             Ok(report) => report,
-            Err(why) => return Ok(Outcome::Nothing(format!("{}: {why}", subject.at))),
+            Err(why) => return Ok(Some(Outcome::Nothing(format!("{}: {why}", subject.at)))),
         };
         let mut file = FileReport { file: source.name.clone(), report, patch: None, written: false };
-        let after = file.report.after.clone();
+        let (after, path) = (file.report.after.clone(), source.path.clone());
         if after.text() != own.text() {
             if args.fix {
-                let path = document::file_of(&source.path);
-                write::replace(&path, own.text().as_bytes(), after.text().as_bytes())?;
+                write::replace(&document::file_of(&path), own.text().as_bytes(), after.text().as_bytes())?;
                 file.written = true;
+                // It is there for the next shader of the file.
+                self.sources = texts(args, &path)?;
             }
             file.patch = Some(diff::unified(&FixedFile { before: own, after }));
         }
-        Ok(Outcome::Report(Box::new(file)))
+        Ok(Some(Outcome::Report(Box::new(file))))
+    }
+}
+
+/// What came of one shader.
+#[derive(Debug, Serialize, Deserialize)]
+enum Outcome {
+    Report(Box<FileReport>),
+    /// It does not compile: its diagnostics.
+    Broken(String),
+    /// Why there is nothing to report.
+    Nothing(String),
+}
+
+impl Outcome {
+    /// What is said of it beside the report.
+    fn said(&self) -> Option<&str> {
+        match self {
+            Self::Report(_) => None,
+            Self::Broken(said) | Self::Nothing(said) => Some(said),
+        }
+    }
+}
+
+/// What came of some shaders, each with its number in the run.
+#[derive(Debug, Default, Serialize, Deserialize)]
+pub struct ShardResult {
+    shaders: Vec<(u64, Outcome)>,
+}
+
+impl ShardResult {
+    fn is_broken(&self) -> bool {
+        self.shaders.iter().any(|(_, outcome)| matches!(outcome, Outcome::Broken(_)))
+    }
+}
+
+impl Join for ShardResult {
+    fn join(&mut self, other: Self) -> Result<(), Unlike> {
+        self.shaders.extend(other.shaders);
+        self.shaders.sort_by_key(|(number, _)| *number);
+        Ok(())
+    }
+}
+
+impl Printed for ShardResult {
+    fn print(
+        self,
+        identity: &Identity,
+        printing: Printing,
+        out: &mut dyn Write,
+        err: &mut dyn Write,
+    ) -> anyhow::Result<ExitStatus> {
+        let broken = self.is_broken();
+        for (_, outcome) in self.shaders.iter().filter(|_| !printing.live) {
+            outcome.said().map_or(Ok(()), |said| err.write_all(said.as_bytes()))?;
+        }
+        let file = |(_, outcome)| match outcome {
+            Outcome::Report(file) => Some(*file),
+            Outcome::Broken(_) | Outcome::Nothing(_) => None,
+        };
+        let summary = Summary { seed: identity.seed, files: self.shaders.into_iter().filter_map(file).collect() };
+        let printed = if printing.json { json(&summary) } else { text(&summary, printing.color) };
+        out.write_all(printed.as_bytes())?;
+        let open = |file: &FileReport| file.report.beyond.is_some() || (file.patch.is_some() && !file.written);
+        Ok(match printing.ended(err)? {
+            Some(status) => status,
+            None if broken || summary.files.iter().any(open) => ExitStatus::Findings,
+            None => ExitStatus::Clean,
+        })
     }
 }
 
 /// The function whose outputs count.
-fn chosen<'s>(subjects: &'s [Subject], entry: Option<&str>) -> Result<&'s Subject, String> {
-    let labels = || subjects.iter().map(|subject| format!("`{}`", subject.label)).collect::<Vec<_>>().join(", ");
-    match (subjects, entry) {
-        ([], _) => Err("nothing to tune: it has no function with a body".to_owned()),
-        ([one], _) => Ok(one),
-        (_, None) => subjects.iter().find(|subject| subject.name == "main").ok_or_else(|| {
-            format!("it has no `main`: name the function whose outputs count with --entry, of {}", labels())
-        }),
-        (_, Some(_)) => Err(format!("--entry names several functions: give one of {}", labels())),
+fn chosen(mut subjects: Vec<Subject>, entry: Option<&str>) -> Result<Subject, String> {
+    let labels = |subjects: &[Subject]| {
+        subjects.iter().map(|subject| format!("`{}`", subject.label)).collect::<Vec<_>>().join(", ")
+    };
+    let main = subjects.iter().position(|subject| subject.name == "main");
+    match (subjects.len(), entry, main) {
+        (0, _, _) => Err("nothing to tune: it has no function with a body".to_owned()),
+        (1, _, _) => Ok(subjects.swap_remove(0)),
+        (_, None, Some(main)) => Ok(subjects.swap_remove(main)),
+        (_, None, None) => Err(format!(
+            "it has no `main`: name the function whose outputs count with --entry, of {}",
+            labels(&subjects)
+        )),
+        (_, Some(_), _) => Err(format!("--entry names several functions: give one of {}", labels(&subjects))),
     }
 }

@@ -121,6 +121,36 @@ fn pairs_of_functions_are_compared_in_parts() {
 }
 
 #[test]
+fn shaders_are_tuned_in_parts() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["all.frag", "none.frag", "distance.frag"] {
+        fs::copy(root().join("fixtures/tune").join(name), folder.path().join(name)).unwrap();
+    }
+    // One that does not compile is a finding of the run, and of its parts.
+    fs::write(folder.path().join("broken.frag"), "precision mediump float;\nvoid main() { gl_FragColor = x; }\n")
+        .unwrap();
+    let args = format!("tune {} --samples 512", folder.path().display());
+    same_in_parts(&args, &[1, 3], 1);
+    faults_are_refused(&args);
+    run(&format!("{args} --shard 0/2 --fix")).expect(2);
+}
+
+#[test]
+fn formulas_are_improved_in_parts() {
+    let folder = tempfile::tempdir().unwrap();
+    let texts = [
+        ("a.glsl", "// shadercheck: x in [0.000001, 1]\nfloat growth(float x) { return exp(x) - 1.0; }\n"),
+        ("b.glsl", "// shadercheck: x in [1, 1000000]\nfloat step1(float x) { return sqrt(x + 1.0) - sqrt(x); }\n"),
+        ("c.glsl", "float twice(float x) { return 2.0 * x; }\n"),
+    ];
+    texts.iter().for_each(|(name, text)| fs::write(folder.path().join(name), text).unwrap());
+    let args = format!("improve {} --samples 4096", folder.path().display());
+    same_in_parts(&args, &[1, 2], 1);
+    faults_are_refused(&args);
+    run(&format!("{args} --shard 0/2 --fix")).expect(2);
+}
+
+#[test]
 fn a_device_is_measured_in_parts() {
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().join("p.toml");
@@ -235,6 +265,8 @@ fn a_shard_that_is_none_and_a_folder_that_is_none_are_reported_before_any_work()
         "mutate sphere",
         &format!("fuzz {hermite}"),
         &format!("compare {hermite} {hermite}"),
+        &format!("improve {hermite}"),
+        "tune fixtures/tune/all.frag",
         "torture",
         "calibrate",
     ] {

@@ -5,6 +5,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::InputValue;
+use ::improve::Proof;
 
 /// Something with numbers in it.
 pub trait Bits: Sized {
@@ -103,6 +104,44 @@ impl<A: Bits, B: Bits> Bits for (A, B) {
 
     fn of((a, b): Self::Words) -> Self {
         (A::of(a), B::of(b))
+    }
+}
+
+impl<A: Bits, B: Bits, C: Bits> Bits for (A, B, C) {
+    type Words = (A::Words, B::Words, C::Words);
+
+    fn words(&self) -> Self::Words {
+        (self.0.words(), self.1.words(), self.2.words())
+    }
+
+    fn of((a, b, c): Self::Words) -> Self {
+        (A::of(a), B::of(b), C::of(c))
+    }
+}
+
+impl Bits for String {
+    type Words = Self;
+
+    fn words(&self) -> Self {
+        self.clone()
+    }
+
+    fn of(words: Self) -> Self {
+        words
+    }
+}
+
+impl Bits for Proof {
+    type Words = ([usize; 6], Option<(Vec<u32>, u64)>, Option<Vec<u32>>);
+
+    fn words(&self) -> Self::Words {
+        let Self { points, many_bits, open, rounded, unequal, lost, lost_at, won } = self;
+        ([*points, *many_bits, *open, *rounded, *lost, *won], unequal.words(), lost_at.words())
+    }
+
+    fn of(([points, many_bits, open, rounded, lost, won], unequal, lost_at): Self::Words) -> Self {
+        let (unequal, lost_at) = (Bits::of(unequal), Bits::of(lost_at));
+        Self { points, many_bits, open, rounded, unequal, lost, lost_at, won }
     }
 }
 

@@ -15,6 +15,8 @@ mod vectors;
 
 use std::time::Duration;
 
+use serde::{Deserialize, Serialize};
+
 use crate::compare::{self, Compared};
 use crate::fuzz::{Domain, Look, Ready, Subject, Trouble, scan, stream_key};
 use ::improve::{
@@ -77,11 +79,13 @@ pub struct Request<'p> {
 }
 
 /// Bits that are lost over the points.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Lost {
     /// In the mean.
+    #[serde(with = "crate::bits")]
     pub mean: f64,
-    /// At the worst point.
+    /// At worst.
+    #[serde(with = "crate::bits")]
     pub worst: f64,
 }
 
@@ -92,7 +96,7 @@ impl Lost {
 }
 
 /// What came of one expression.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Report {
     /// The function around it.
     pub function: String,
@@ -107,10 +111,12 @@ pub struct Report {
     /// What it loses.
     pub lost: Lost,
     /// What it costs, in additions.
+    #[serde(with = "crate::bits")]
     pub operations: f64,
     /// Points of the search at which it has a value, and those at which it has none.
     pub points: (usize, usize),
     /// The inputs of a point at which it has none.
+    #[serde(with = "crate::bits")]
     pub pole: Option<Vec<(String, f32)>>,
     /// Proposals, the best first.
     pub proposals: Vec<Proposal>,
@@ -123,28 +129,36 @@ pub struct Report {
 /// A share of points, one of them by names and values of its inputs, and bits lost there by the original and by another one.
 pub type Worse = (f64, Vec<(String, f32)>, [f64; 2]);
 
-/// A formula that is proved to equal the expression, and loses fewer bits.
-#[derive(Clone, Debug)]
+/// Another formula.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Proposal {
     /// Its text.
     pub text: String,
-    /// The edit of the author's file.
+    /// The edit of the author's file; it stays where it was made.
+    #[serde(skip, default = "no_edit")]
     pub edit: Edit,
     /// The author's file with it.
     pub after: String,
     /// What it loses.
     pub lost: Lost,
     /// What it costs, in additions.
+    #[serde(with = "crate::bits")]
     pub operations: f64,
     /// Share of the points at which it loses more than half a bit more than the original, and the one where it is most: its
     /// inputs and both losses.
+    #[serde(with = "crate::bits")]
     pub worse: Option<Worse>,
     /// How it was proved.
+    #[serde(with = "crate::bits")]
     pub proof: Proof,
     /// Both functions beside each other, by the judge and on lanes.
     pub compared: Compared,
     /// Bits lost over the input that matters most.
     pub plot: Plot,
+}
+
+fn no_edit() -> Edit {
+    Edit::replace(Span::new(0, 0), "")
 }
 
 /// Why nothing is looked for in a function of these [halves].

@@ -1,18 +1,22 @@
 //! Bits lost over one input, before and after.
 
+use serde::{Deserialize, Serialize};
+
 use ::improve::{Losses, Points};
 
 /// Places of a plot.
 const PLACES: usize = 48;
 
 /// The bits lost over the input on which they depend most, in parts of the samples that are alike in number.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Plot {
     /// The input.
     pub input: String,
     /// For each part: the largest value of the input in it, and the mean of the bits lost before and after.
+    #[serde(with = "crate::bits")]
     pub places: Vec<(f32, [f64; 2])>,
     /// The smallest value.
+    #[serde(with = "crate::bits")]
     pub from: f32,
 }
 

@@ -1,5 +1,7 @@
 //! Points of an expression: the values of its leaves in samples of its function.
 
+use serde::{Deserialize, Serialize};
+
 use std::ops::Range;
 
 use super::lower::{Drawn, Leaf};
@@ -43,11 +45,12 @@ pub(super) struct Drawer<'a> {
 }
 
 /// An input of an expression, as it is told.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InputRange {
     /// Its text.
     pub name: String,
     /// The smallest and the largest value in the samples.
+    #[serde(with = "crate::bits")]
     pub range: [f32; 2],
     /// Where the range comes from: nothing where it is stated.
     pub taken_for: Option<String>,

@@ -1,5 +1,7 @@
 //! Declarations of a shader that can have another precision, and the texts that give it to them.
 
+use serde::{Deserialize, Serialize};
+
 use super::coordinates::coordinates;
 use crate::improve::own_span;
 use base::text::{Edit, EditList, SourceFile, Span};
@@ -14,21 +16,24 @@ use syntax::symbols::{FunctionId, SymbolId, SymbolKind};
 use syntax::types::{OpaqueKind, ScalarType, Type};
 
 /// A declaration with one precision for all that it declares.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Declaration {
     /// What it declares: `uniform u_size`, `a, b`, `the result of f`.
     pub what: String,
     /// `name:line:column`.
     pub at: String,
     /// The precision that it has, stated or by default; none where its text has no precisions.
+    #[serde(with = "stated")]
     pub now: Option<Precision>,
     /// It carries the coordinate of a texel.
     pub coordinate: bool,
     /// It is a sampler: what is read from it has this precision.
     pub sampler: bool,
     /// Where a word goes that states one: before the type, here and in each prototype.
+    #[serde(skip)]
     places: Vec<Place>,
     /// What it declares.
+    #[serde(skip)]
     symbols: Vec<SymbolId>,
 }
 
@@ -55,6 +60,24 @@ pub fn word(precision: Precision) -> &'static str {
         Precision::Low => "lowp",
         Precision::Medium => "mediump",
         Precision::High => "highp",
+    }
+}
+
+/// Precisions by their words, where they are written down.
+mod stated {
+    use super::{Precision, word};
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(precision: &Option<Precision>, to: S) -> Result<S::Ok, S::Error> {
+        precision.map(word).serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Precision>, D::Error> {
+        let Some(stated) = Option::<String>::deserialize(from)? else { return Ok(None) };
+        let all = [Precision::Low, Precision::Medium, Precision::High];
+        let known = all.into_iter().find(|precision| word(*precision) == stated);
+        known.map(Some).ok_or_else(|| D::Error::custom(format!("there is no precision `{stated}`")))
     }
 }
 

@@ -15,6 +15,8 @@ mod trial;
 
 use std::convert::Infallible;
 
+use serde::{Deserialize, Serialize};
+
 use crate::InputValue;
 use crate::adversary::Strategy;
 use crate::fuzz::{Domain, Law, Ready, Shrinking, Subject, Within, decimal, drawn, place, scan, stream_key, subjects};
@@ -54,7 +56,7 @@ pub struct Request {
 }
 
 /// An input that shows why a declaration must be `highp`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Shown {
     /// The operation that loses digits or the range, in a sentence.
     pub message: String,
@@ -65,21 +67,25 @@ pub struct Shown {
     /// The output.
     pub output: String,
     /// Its value in binary32, and on a device.
+    #[serde(with = "crate::bits")]
     pub values: [f32; 2],
     /// The error in units of what is allowed.
+    #[serde(with = "crate::bits")]
     pub ratio: f64,
 }
 
 /// One declaration.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Row {
     /// What it is.
     pub declaration: Declaration,
     /// True where it must be `highp`.
     pub high: bool,
     /// The largest error, in units of what is allowed, where it alone is `mediump`; infinite for a lost value.
+    #[serde(with = "crate::bits")]
     pub alone: f64,
     /// Part of the samples that are off then, and part of those beside an edge that fall to its other side.
+    #[serde(with = "crate::bits")]
     pub alone_off: [f64; 2],
     /// Why it must be `highp`.
     pub shown: Option<Shown>,
@@ -88,7 +94,7 @@ pub struct Row {
 }
 
 /// What came of one function.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Report {
     /// The function.
     pub function: String,
@@ -109,15 +115,23 @@ pub struct Report {
     /// Samples of the proof at which a decision falls to the other side of an edge.
     pub jumps: u64,
     /// The largest error of the result in the proof, in units of what is allowed.
+    #[serde(with = "crate::bits")]
     pub worst: f64,
     /// The same on a device that has binary16 and rounds to the nearest.
+    #[serde(with = "crate::bits")]
     pub binary16: f64,
     /// The largest error with `mediump` everywhere, on devices that err as far as they may and with binary16.
+    #[serde(with = "crate::bits")]
     pub all_medium: [f64; 2],
-    /// The author's file with the precisions.
+    /// The author's file with the precisions; it stays where it was made.
+    #[serde(skip, default = "no_file")]
     pub after: SourceFile,
     /// Why even `highp` everywhere does not do: what has a precision that this file does not state.
     pub beyond: Option<Shown>,
+}
+
+fn no_file() -> SourceFile {
+    SourceFile::new("", "")
 }
 
 impl Report {

@@ -1,20 +1,22 @@
 //! How far an output may be off: half a step of its format, half a pixel, or what is stated.
 
+use serde::{Deserialize, Serialize};
+
 use base::value::{Field, Record};
 use program::DISCARD;
 use syntax::Stage;
 
 /// How far one output may be off.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Tolerance {
     /// By so much.
-    Absolute(f64),
+    Absolute(#[serde(with = "crate::bits")] f64),
     /// By so much, between 0 and 1: what is stored there cuts off the rest.
-    Unit(f64),
+    Unit(#[serde(with = "crate::bits")] f64),
     /// By this part of its size.
-    Relative(f64),
+    Relative(#[serde(with = "crate::bits")] f64),
     /// By half a pixel of a viewport of so many, within the clip volume.
-    Pixels([f64; 2]),
+    Pixels(#[serde(with = "crate::bits")] [f64; 2]),
 }
 
 /// Formats by name, each with half of its step.

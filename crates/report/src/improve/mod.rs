@@ -4,6 +4,7 @@ mod json;
 mod text;
 
 use engine::improve::Report;
+use serde::{Deserialize, Serialize};
 
 pub use json::json;
 pub use text::text;
@@ -20,7 +21,7 @@ pub struct Summary {
 }
 
 /// A file that was looked at.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub struct FileReport {
     /// Its name.
     pub file: String,

@@ -4,6 +4,7 @@ mod json;
 mod text;
 
 use engine::tune::Report;
+use serde::{Deserialize, Serialize};
 
 pub use json::json;
 pub use text::text;
@@ -18,7 +19,7 @@ pub struct Summary {
 }
 
 /// A file that was tuned.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub struct FileReport {
     /// Its name.
     pub file: String,
