@@ -136,9 +136,8 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
     let names = texts.each_ref().map(|text| text.name.clone());
     let part = ShardResult { texts: names, unpaired, pairs: Vec::new(), page: args.report_dir.clone() };
     let key = |shards| identity(args, shards, &texts, &lanes);
-    let printing = Printing { json: args.format == Format::Json, color, ..Printing::default() };
     let mut pairs = Pairs { pairs, lanes: &lanes, request, inputs: Inputs::new(&stated) };
-    args.sharing.run(&mut pairs, part, key, &mut Terminal::new(printing.json, out, err), printing)
+    args.sharing.run(&mut pairs, part, key, &mut Terminal::new(args.format, color, out, err))
 }
 
 /// Everything that the result of a run depends on.
@@ -203,25 +202,19 @@ impl Join for ShardResult {
 }
 
 impl Printed for ShardResult {
-    fn print(
-        self,
-        identity: &Identity,
-        printing: Printing,
-        out: &mut dyn Write,
-        err: &mut dyn Write,
-    ) -> anyhow::Result<ExitStatus> {
+    fn print(self, mut to: Printing<'_>) -> anyhow::Result<ExitStatus> {
         let Self { texts, unpaired, pairs, page: folder } = self;
         let pairs = pairs.into_iter().map(|(_, compared)| compared).collect();
-        let summary = Summary { texts, seed: identity.seed, pairs, unpaired, interrupted: printing.interrupted };
+        let summary = Summary { texts, seed: to.identity.seed, pairs, unpaired, interrupted: to.interrupted };
         if let Some(folder) = folder {
             page(&folder, &summary)?;
         }
-        let printed = if printing.json { json(&summary) } else { text(&summary, printing.color) };
-        out.write_all(printed.as_bytes())?;
-        Ok(if let Some(status) = printing.ended(err)? {
+        let printed = if to.json { json(&summary) } else { text(&summary, to.color) };
+        to.out.write_all(printed.as_bytes())?;
+        Ok(if let Some(status) = to.ended()? {
             status
         } else if !summary.pairs.iter().any(Compared::is_known) {
-            writeln!(err, "error: nothing could be compared")?;
+            writeln!(to.err, "error: nothing could be compared")?;
             ExitStatus::Error
         } else if summary.pairs.iter().any(|pair| pair.unlike.0 > 0) {
             ExitStatus::Findings

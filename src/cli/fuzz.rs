@@ -16,7 +16,7 @@ use super::compose::ComposeArgs;
 use super::hosts::Hosts;
 use super::includes::{self, IncludedText};
 use super::inputs::InputArgs;
-use crate::cli::shard::{Printing, ShardArgs, Terminal};
+use crate::cli::shard::{ShardArgs, Terminal};
 use crate::cli::status::ExitStatus;
 use crate::cli::waiting::Waiting;
 use base::diagnostic::{Diagnostic, Severity};
@@ -148,15 +148,13 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     }
     let (part, lanes) = open_lanes(args)?;
     let lanes = lanes.iter().map(|lane| (lane.as_ref(), Promises::of_lane(lane.description()))).collect();
-    let text = args.format == Format::Text;
-    let terminal = Terminal::new(!text, out, err);
+    let terminal = Terminal::new(args.format, color, out, err);
     let (whole, many) = (shard.is_none(), sources.len() > 1);
-    let mut lines = Lines { terminal, args, sources: &sources, color, many, text, whole, told: 0 };
+    let mut lines = Lines { terminal, args, sources: &sources, many, whole, told: 0 };
     let mut functions = Functions::new(args, &sources, lanes, Inputs::new(&stated), whole);
     let used = part.lanes().to_vec();
     let key = |shards| job::identity(args, shards, &sources, &used);
-    let printing = Printing { json: !text, color, ..Printing::default() };
-    args.sharing.run(&mut functions, part, key, &mut lines, printing)
+    args.sharing.run(&mut functions, part, key, &mut lines)
 }
 
 /// Every function that is asked for has to be there.

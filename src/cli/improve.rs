@@ -6,7 +6,6 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use clap::Args;
-use serde::{Deserialize, Serialize};
 
 use super::below;
 use super::check::{Format, profile, shell_word};
@@ -15,14 +14,14 @@ use super::fuzz::{Inputs, all_known, subjects};
 use super::includes::{self, IncludedText};
 use super::inputs::InputArgs;
 use super::lint::{diff, write};
+use super::outcomes::{Outcome, Outcomes};
 use super::shard::{Printed, Printing, ShardArgs, Terminal};
 use super::status::ExitStatus;
 use super::translate;
-use base::diagnostic::Lang;
 use base::text::{EditList, Shown as _, SourceFile};
 use engine::fuzz::{Domain, Subject};
 use engine::improve::{self, Request};
-use engine::session::{At, Job, Join, Seen, Unlike};
+use engine::session::{At, Job, Seen};
 use engine::shard::Identity;
 use judge::profile::Profile;
 use lanes::{Lane, StandIn, Wanted, interrupt};
@@ -100,19 +99,26 @@ pub fn run(args: &ImproveArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
     let improved = |path: &Path| matches!(Written::of_path(&path.to_string_lossy()), Written::Glsl | Written::Wgsl);
     let (paths, searched) = below::shaders(&args.files, improved)?;
     let (inputs, known) = (Inputs::new(&stated), Vec::new());
-    let key = |shards| identity(args, shards, &paths, &lanes);
+    let key = |shards| identity(args, shards, &paths, (&profile, &lanes));
     let mut files = Files { args, paths: &paths, searched, profile: &profile, lanes: &lanes, inputs, known };
-    let part = ShardResult { profile: profile.name.clone(), files: Vec::new() };
-    let printing = Printing { json: args.format == Format::Json, color, ..Printing::default() };
-    args.sharing.run(&mut files, part, key, &mut Terminal::new(printing.json, out, err), printing)
+    args.sharing.run(&mut files, Outcomes(Vec::new()), key, &mut Terminal::new(args.format, color, out, err))
 }
 
+/// The name of the parameter with the name of the profile.
+const PROFILE: &str = "profile";
+
 /// Everything that the result of a run depends on.
-fn identity(args: &ImproveArgs, shards: u64, paths: &[PathBuf], lanes: &[&dyn Lane]) -> Identity {
+fn identity(
+    args: &ImproveArgs,
+    shards: u64,
+    paths: &[PathBuf],
+    (profile, lanes): (&Profile, &[&dyn Lane]),
+) -> Identity {
     let identity = Identity::new("improve", args.input.seed, shards)
         .with("inputs", args.input.words())
         .with("--function", args.function.join("; "))
         .with("--profile", &args.profile)
+        .with(PROFILE, &profile.name)
         .with("--samples", args.samples)
         .on(lanes.iter().map(|lane| lane.description()));
     let of = |all: Identity, path: &PathBuf| match text(args, path) {
@@ -155,28 +161,8 @@ struct Unit {
     subjects: Vec<(Subject, Domain)>,
 }
 
-/// What came of a file.
-#[derive(Debug, Serialize, Deserialize)]
-enum Outcome {
-    Report(FileReport),
-    /// It does not compile: its diagnostics.
-    Broken(String),
-    /// It cannot be read, of a folder whose other files can.
-    LeftOut(String),
-}
-
-impl Outcome {
-    /// What is said of it beside the report.
-    fn said(&self) -> Option<&str> {
-        match self {
-            Self::Report(_) => None,
-            Self::Broken(said) | Self::LeftOut(said) => Some(said),
-        }
-    }
-}
-
 impl Job for Files<'_> {
-    type Unit = Result<Unit, Outcome>;
+    type Unit = Result<Unit, Outcome<FileReport>>;
     type Part = ShardResult;
     type Error = anyhow::Error;
     type Event<'e> = Seen<'e>;
@@ -192,13 +178,12 @@ impl Job for Files<'_> {
         };
         let (source, line) = match text(args, path) {
             Ok(text) => text,
-            Err(error) if self.searched => return Ok(Some(Err(Outcome::LeftOut(format!("left out: {error:#}\n"))))),
+            Err(error) if self.searched => return Ok(Some(Err(Outcome::Nothing(format!("left out: {error:#}\n"))))),
             Err(error) => return Err(error),
         };
         let (errors, subjects) = subjects((&args.function, &args.input.define), &source, &mut self.known)?;
         if !errors.is_empty() {
-            let said = errors.iter().map(|error| report::diagnostics::text(error, Lang::En, false)).collect();
-            return Ok(Some(Err(Outcome::Broken(said))));
+            return Ok(Some(Err(Outcome::broken(&errors))));
         }
         let mut with_inputs = Vec::new();
         for subject in subjects {
@@ -219,55 +204,23 @@ impl Job for Files<'_> {
         if let Some(said) = outcome.said() {
             at.observer.event(Seen::Said(said))?;
         }
-        at.part.files.push((number, outcome));
+        at.part.0.push((number, outcome));
         Ok(())
     }
 }
 
-/// What came of some files, each with its number in the run.
-#[derive(Debug, Serialize, Deserialize)]
-pub struct ShardResult {
-    profile: String,
-    files: Vec<(u64, Outcome)>,
-}
-
-impl ShardResult {
-    fn is_broken(&self) -> bool {
-        self.files.iter().any(|(_, outcome)| matches!(outcome, Outcome::Broken(_)))
-    }
-}
-
-impl Join for ShardResult {
-    fn join(&mut self, other: Self) -> Result<(), Unlike> {
-        Unlike::unless(self.profile == other.profile, "used different profiles")?;
-        self.files.extend(other.files);
-        self.files.sort_by_key(|(number, _)| *number);
-        Ok(())
-    }
-}
+/// What came of some files.
+pub type ShardResult = Outcomes<FileReport>;
 
 impl Printed for ShardResult {
-    fn print(
-        self,
-        identity: &Identity,
-        printing: Printing,
-        out: &mut dyn Write,
-        err: &mut dyn Write,
-    ) -> anyhow::Result<ExitStatus> {
-        let broken = self.is_broken();
-        for (_, outcome) in self.files.iter().filter(|_| !printing.live) {
-            outcome.said().map_or(Ok(()), |said| err.write_all(said.as_bytes()))?;
-        }
-        let file = |(_, outcome)| match outcome {
-            Outcome::Report(file) => Some(file),
-            Outcome::Broken(_) | Outcome::LeftOut(_) => None,
-        };
-        let files: Vec<FileReport> = self.files.into_iter().filter_map(file).collect();
-        let summary = Summary { seed: identity.seed, profile: self.profile, files };
-        let printed = if printing.json { json(&summary) } else { report::improve::text(&summary, printing.color) };
-        out.write_all(printed.as_bytes())?;
+    fn print(self, mut to: Printing<'_>) -> anyhow::Result<ExitStatus> {
+        let (files, broken) = self.reports(&mut to)?;
+        let profile = to.identity.parameters.get(PROFILE).cloned().unwrap_or_default();
+        let summary = Summary { seed: to.identity.seed, profile, files };
+        let printed = if to.json { json(&summary) } else { report::improve::text(&summary, to.color) };
+        to.out.write_all(printed.as_bytes())?;
         let open = summary.files.iter().any(|file| file.patch.is_some() && !file.written);
-        Ok(match printing.ended(err)? {
+        Ok(match to.ended()? {
             Some(status) => status,
             None if broken || open => ExitStatus::Findings,
             None => ExitStatus::Clean,

@@ -144,8 +144,9 @@ impl Merge<'_> {
             writeln!(err, "note: {}", missing_parts(&self.missing, &self.identity, self.paths))?;
             return Ok(ExitStatus::Clean);
         }
-        let printing = Printing { json: self.args.format == Format::Json, color: self.color, ..Printing::default() };
-        let status = joined.print(&self.identity, printing, out, err)?;
+        let (identity, json, color) = (&self.identity, self.args.format == Format::Json, self.color);
+        let (live, interrupted) = (false, None);
+        let status = joined.print(Printing { identity, json, color, live, interrupted, out: &mut *out, err })?;
         out.flush()?;
         Ok(status)
     }

@@ -42,6 +42,8 @@ pub mod merge;
 pub mod mutate;
 #[cfg(feature = "run")]
 pub mod node;
+#[cfg(feature = "run")]
+mod outcomes;
 mod paths;
 #[cfg(feature = "run")]
 pub mod refdata;

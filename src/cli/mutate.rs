@@ -104,10 +104,9 @@ pub fn run(args: &MutateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyho
     let shard = shard.unwrap_or(Shard::WHOLE);
     let request = Request { samples: args.samples, seed: args.seed, operators, shard };
     let mut work = Work { selected: &selected, lane: lane.as_ref(), request };
-    let printing = Printing { json: args.format == Format::Json, ..Printing::default() };
     let part = ShardResult { lane: on.clone(), suites: Vec::new() };
     let key = |shards| identity(args, shards, &on, &selected);
-    args.sharing.run(&mut work, part, key, &mut Terminal::new(printing.json, out, err), printing)
+    args.sharing.run(&mut work, part, key, &mut Terminal::new(args.format, false, out, err))
 }
 
 /// Everything that the result of a run depends on.
@@ -243,17 +242,11 @@ impl Join for ShardResult {
 }
 
 impl Printed for ShardResult {
-    fn print(
-        self,
-        identity: &Identity,
-        printing: Printing,
-        out: &mut dyn Write,
-        err: &mut dyn Write,
-    ) -> anyhow::Result<ExitStatus> {
-        let mut summary = Summary { seed: identity.seed, lane: self.lane, ..Summary::default() };
+    fn print(self, mut to: Printing<'_>) -> anyhow::Result<ExitStatus> {
+        let mut summary = Summary { seed: to.identity.seed, lane: self.lane, ..Summary::default() };
         for suite in self.suites {
-            if let Some(said) = suite.said().filter(|_| !printing.live) {
-                err.write_all(said.as_bytes())?;
+            if let Some(said) = suite.said().filter(|_| !to.live) {
+                to.err.write_all(said.as_bytes())?;
             }
             match suite {
                 Shared::Tested { suite, shader, samples, tested } => {
@@ -265,19 +258,19 @@ impl Printed for ShardResult {
             }
         }
         let nothing = summary.failed.is_empty() && summary.score().all() == 0;
-        if nothing && printing.interrupted.is_none() {
+        if nothing && to.interrupted.is_none() {
             anyhow::bail!(
                 "the chosen operators find nothing to change in the chosen shaders; choose others with --operator"
             );
         }
-        if printing.json {
-            out.write_all(json(&summary).as_bytes())?;
+        if to.json {
+            to.out.write_all(json(&summary).as_bytes())?;
         } else if !summary.suites.is_empty() {
-            out.write_all(text(&summary).as_bytes())?;
+            to.out.write_all(text(&summary).as_bytes())?;
         }
-        let floor = identity.parameters.get(FLOOR).and_then(|floor| floor.parse().ok()).unwrap_or(0.0);
+        let floor = to.identity.parameters.get(FLOOR).and_then(|floor| floor.parse().ok()).unwrap_or(0.0);
         let score = summary.score().share();
-        Ok(if let Some(status) = printing.ended(err)? {
+        Ok(if let Some(status) = to.ended()? {
             status
         } else if !summary.failed.is_empty() {
             ExitStatus::Error

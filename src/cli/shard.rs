@@ -10,6 +10,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::cli::bar::Bar;
+use crate::cli::check::Format;
 use crate::cli::status::ExitStatus;
 use base::text::Shown;
 use disk::fresh;
@@ -31,9 +32,10 @@ pub struct ShardArgs {
     pub shard_dir: PathBuf,
 }
 
-/// How a result is printed.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Printing {
+/// How a result is printed, and where.
+pub struct Printing<'p> {
+    /// The run that it is of.
+    pub identity: &'p Identity,
     /// For programs, and not for people.
     pub json: bool,
     /// With colours.
@@ -42,17 +44,21 @@ pub struct Printing {
     pub live: bool,
     /// The signal that ended the run.
     pub interrupted: Option<u8>,
+    /// The result.
+    pub out: &'p mut dyn Write,
+    /// What is said beside it.
+    pub err: &'p mut dyn Write,
 }
 
-impl Printing {
+impl Printing<'_> {
     /// The status of a run that a signal ended, which is said; `None` for one that came to its end.
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn ended(self, err: &mut dyn Write) -> anyhow::Result<Option<ExitStatus>> {
+    pub fn ended(&mut self) -> anyhow::Result<Option<ExitStatus>> {
         let Some(signal) = self.interrupted else { return Ok(None) };
         let name = signal_name(signal);
-        writeln!(err, "error: the run was interrupted by {name}; this is what was found until then")?;
+        writeln!(self.err, "error: the run was interrupted by {name}; this is what was found until then")?;
         Ok(Some(ExitStatus::Interrupted(signal)))
     }
 }
@@ -63,19 +69,17 @@ pub trait Printed: Join {
     ///
     /// # Errors
     /// When it cannot be written, or nothing could be found.
-    fn print(
-        self,
-        identity: &Identity,
-        printing: Printing,
-        out: &mut dyn Write,
-        err: &mut dyn Write,
-    ) -> anyhow::Result<ExitStatus>;
+    fn print(self, to: Printing<'_>) -> anyhow::Result<ExitStatus>;
 }
 
 /// Where a run is seen: a bar on a terminal, the result, and what is said beside it.
 pub struct Terminal<'a> {
     /// The progress.
     pub bar: Bar,
+    /// The result is for programs, and not for people.
+    pub json: bool,
+    /// With colours.
+    pub color: bool,
     /// The result.
     pub out: &'a mut dyn Write,
     /// Everything else.
@@ -84,8 +88,9 @@ pub struct Terminal<'a> {
 
 impl<'a> Terminal<'a> {
     /// With a bar where people look.
-    pub fn new(json: bool, out: &'a mut dyn Write, err: &'a mut dyn Write) -> Self {
-        Self { bar: Bar::new(!json), out, err }
+    pub fn new(format: Format, color: bool, out: &'a mut dyn Write, err: &'a mut dyn Write) -> Self {
+        let json = format == Format::Json;
+        Self { bar: Bar::new(!json), json, color, out, err }
     }
 }
 
@@ -158,7 +163,6 @@ impl ShardArgs {
         part: J::Part,
         key: impl FnOnce(u64) -> Identity,
         watch: &mut W,
-        printing: Printing,
     ) -> anyhow::Result<ExitStatus>
     where
         J::Part: Printed,
@@ -167,26 +171,26 @@ impl ShardArgs {
         let identity = key(shard.map_or(1, Shard::count));
         let Some(shard) = shard else {
             let found = session::run(job, None, Reached::nothing(part), watch)?;
-            let Terminal { bar, out, err } = watch.terminal();
+            let Terminal { bar, json, color, out, err } = watch.terminal();
             bar.finish();
             let found = found.context("internal error, please report: a whole run gave nothing")?;
-            let printing = Printing { live: true, interrupted: interrupt::signal(), ..printing };
-            let status = found.print(&identity, printing, *out, *err)?;
+            let (identity, interrupted) = (&identity, interrupt::signal());
+            let (json, color) = (*json, *color);
+            let to = Printing { identity, json, color, live: true, interrupted, out: *out, err: *err };
+            let status = found.print(to)?;
             out.flush()?;
             return Ok(status);
         };
         let store = Store::new(&self.shard_dir, shard, identity)?;
-        let terminal = watch.terminal();
-        let earlier = match store
-            .earlier::<Reached<J::Part>, J::Part>(printing.json, (&mut *terminal.out, &mut *terminal.err))?
-        {
+        let Terminal { json, out, err, .. } = watch.terminal();
+        let earlier = match store.earlier::<Reached<J::Part>, J::Part>(*json, (*out, *err))? {
             Earlier::Done => return Ok(ExitStatus::Clean),
             Earlier::Reached(earlier) => earlier.unwrap_or_else(|| Reached::nothing(part)),
         };
         let found = session::run(job, Some(shard), earlier, &mut Stored { store: &store, watch })?;
-        let Terminal { bar, out, err } = watch.terminal();
+        let Terminal { bar, json, out, err, .. } = watch.terminal();
         bar.finish();
-        store.conclude(found.as_ref(), printing.json, (*out, *err))
+        store.conclude(found.as_ref(), *json, (*out, *err))
     }
 
     /// The shard that is asked for; none for a whole run.

@@ -121,14 +121,14 @@ pub fn run(args: &TortureArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyh
         .map(|(lane, promises)| Peer { lane: &**lane as &dyn Lane, promises })
         .collect();
     let lanes: Vec<Description> = opened.lanes.iter().map(|lane| lane.description().clone()).collect();
-    let (json, count) = (args.format == Format::Json, shard.map_or(1, Shard::count));
-    let terminal = Terminal::new(json, out, err);
+    let count = shard.map_or(1, Shard::count);
+    let terminal = Terminal::new(args.format, false, out, err);
     terminal.bar.start("programs", "all lanes", args.programs.div_ceil(count));
     let mut watched = Watched { terminal, folder: args.out.as_deref(), known: 0 };
     let key = |shards| identity(args, shards, &lanes);
     let part = ShardResult { lanes: lanes.clone(), ..ShardResult::default() };
     let mut programs = Programs { args, peers: &peers, begun: Instant::now() };
-    args.sharing.run(&mut programs, part, key, &mut watched, Printing { json, ..Printing::default() })
+    args.sharing.run(&mut programs, part, key, &mut watched)
 }
 
 /// The programs of a run.
@@ -214,29 +214,23 @@ impl Join for ShardResult {
 }
 
 impl Printed for ShardResult {
-    fn print(
-        self,
-        identity: &Identity,
-        printing: Printing,
-        out: &mut dyn Write,
-        err: &mut dyn Write,
-    ) -> anyhow::Result<ExitStatus> {
+    fn print(self, to: Printing<'_>) -> anyhow::Result<ExitStatus> {
         let summary = Summary {
-            seed: identity.seed,
-            command: identity.parameters.get(COMMAND).cloned().unwrap_or_default(),
+            seed: to.identity.seed,
+            command: to.identity.parameters.get(COMMAND).cloned().unwrap_or_default(),
             lanes: self.lanes,
             found: self.found,
             seconds: self.seconds,
-            interrupted: printing.interrupted,
+            interrupted: to.interrupted,
         };
-        let printed = if printing.json { json(&summary) } else { text(&summary) };
-        out.write_all(printed.as_bytes())?;
+        let printed = if to.json { json(&summary) } else { text(&summary) };
+        to.out.write_all(printed.as_bytes())?;
         Ok(if let Some(signal) = summary.interrupted {
             ExitStatus::Interrupted(signal)
         } else if summary.found.fails() {
             ExitStatus::Findings
         } else if summary.found.agreed == 0 {
-            writeln!(err, "error: nothing was judged")?;
+            writeln!(to.err, "error: nothing was judged")?;
             ExitStatus::Error
         } else {
             ExitStatus::Clean

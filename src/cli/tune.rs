@@ -4,7 +4,6 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use serde::{Deserialize, Serialize};
 
 use super::below;
 use super::check::Format;
@@ -14,12 +13,12 @@ use super::fuzz::{Inputs, all_known, subjects};
 use super::includes::{self, IncludedText};
 use super::inputs::InputArgs;
 use super::lint::{diff, write};
+use super::outcomes::{Outcome, Outcomes};
 use super::shard::{Printed, Printing, ShardArgs, Terminal};
 use super::status::ExitStatus;
-use base::diagnostic::Lang;
 use base::text::{Shown as _, SourceFile};
 use engine::fuzz::{Domain, Subject};
-use engine::session::{At, Job, Join, Seen, Unlike};
+use engine::session::{At, Job, Seen};
 use engine::shard::Identity;
 use engine::tune::{self, Request, Stated, Tolerance};
 use lanes::interrupt;
@@ -144,9 +143,7 @@ pub fn run(args: &TuneArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     let key = |shards| identity(args, shards, &files);
     let inputs = Inputs::new(&domains);
     let mut shaders = Shaders { args, request, files: &files, searched, inputs, read: 0, sources: Vec::new(), next: 0 };
-    let printing = Printing { json: args.format == Format::Json, color, ..Printing::default() };
-    let mut terminal = Terminal::new(printing.json, out, err);
-    args.sharing.run(&mut shaders, ShardResult::default(), key, &mut terminal, printing)
+    args.sharing.run(&mut shaders, Outcomes(Vec::new()), key, &mut Terminal::new(args.format, color, out, err))
 }
 
 /// Everything that the result of a run depends on.
@@ -184,7 +181,7 @@ struct Shaders<'a> {
 }
 
 /// A shader that is tuned, or why it is not.
-type Unit = Result<Box<(SourceFile, Subject, Domain)>, Outcome>;
+type Unit = Result<Box<(SourceFile, Subject, Domain)>, Outcome<FileReport>>;
 
 impl Job for Shaders<'_> {
     type Unit = Unit;
@@ -241,7 +238,7 @@ impl Job for Shaders<'_> {
         if let Some(said) = outcome.said() {
             at.observer.event(Seen::Said(said))?;
         }
-        at.part.shaders.push((number, outcome));
+        at.part.0.push((number, outcome));
         Ok(())
     }
 }
@@ -255,8 +252,7 @@ impl Shaders<'_> {
         let mut known = Vec::new();
         let (errors, subjects) = subjects((&wanted, &args.input.define), source, &mut known)?;
         if !errors.is_empty() {
-            let said = errors.iter().map(|error| report::diagnostics::text(error, Lang::En, false)).collect();
-            return Ok(Err(Outcome::Broken(said)));
+            return Ok(Err(Outcome::broken(&errors)));
         }
         all_known(&wanted, &known)?;
         match chosen(subjects, args.entry.as_deref()) {
@@ -269,7 +265,10 @@ impl Shaders<'_> {
     }
 
     /// What comes of it; nothing where the run was interrupted, since devices were then not run to the end.
-    fn tuned(&mut self, (own, subject, domain): (SourceFile, Subject, Domain)) -> anyhow::Result<Option<Outcome>> {
+    fn tuned(
+        &mut self,
+        (own, subject, domain): (SourceFile, Subject, Domain),
+    ) -> anyhow::Result<Option<Outcome<FileReport>>> {
         let (args, source) = (self.args, &self.sources[self.next - 1]);
         let parsed = source.parsed(&args.input.define);
         let again = |file: &SourceFile| match source.changed(file, &args.input.reading(None, None)) {
@@ -293,71 +292,21 @@ impl Shaders<'_> {
             }
             file.patch = Some(diff::unified(&FixedFile { before: own, after }));
         }
-        Ok(Some(Outcome::Report(Box::new(file))))
+        Ok(Some(Outcome::Report(file)))
     }
 }
 
-/// What came of one shader.
-#[derive(Debug, Serialize, Deserialize)]
-enum Outcome {
-    Report(Box<FileReport>),
-    /// It does not compile: its diagnostics.
-    Broken(String),
-    /// Why there is nothing to report.
-    Nothing(String),
-}
-
-impl Outcome {
-    /// What is said of it beside the report.
-    fn said(&self) -> Option<&str> {
-        match self {
-            Self::Report(_) => None,
-            Self::Broken(said) | Self::Nothing(said) => Some(said),
-        }
-    }
-}
-
-/// What came of some shaders, each with its number in the run.
-#[derive(Debug, Default, Serialize, Deserialize)]
-pub struct ShardResult {
-    shaders: Vec<(u64, Outcome)>,
-}
-
-impl ShardResult {
-    fn is_broken(&self) -> bool {
-        self.shaders.iter().any(|(_, outcome)| matches!(outcome, Outcome::Broken(_)))
-    }
-}
-
-impl Join for ShardResult {
-    fn join(&mut self, other: Self) -> Result<(), Unlike> {
-        self.shaders.extend(other.shaders);
-        self.shaders.sort_by_key(|(number, _)| *number);
-        Ok(())
-    }
-}
+/// What came of some shaders.
+pub type ShardResult = Outcomes<FileReport>;
 
 impl Printed for ShardResult {
-    fn print(
-        self,
-        identity: &Identity,
-        printing: Printing,
-        out: &mut dyn Write,
-        err: &mut dyn Write,
-    ) -> anyhow::Result<ExitStatus> {
-        let broken = self.is_broken();
-        for (_, outcome) in self.shaders.iter().filter(|_| !printing.live) {
-            outcome.said().map_or(Ok(()), |said| err.write_all(said.as_bytes()))?;
-        }
-        let file = |(_, outcome)| match outcome {
-            Outcome::Report(file) => Some(*file),
-            Outcome::Broken(_) | Outcome::Nothing(_) => None,
-        };
-        let summary = Summary { seed: identity.seed, files: self.shaders.into_iter().filter_map(file).collect() };
-        let printed = if printing.json { json(&summary) } else { text(&summary, printing.color) };
-        out.write_all(printed.as_bytes())?;
+    fn print(self, mut to: Printing<'_>) -> anyhow::Result<ExitStatus> {
+        let (files, broken) = self.reports(&mut to)?;
+        let summary = Summary { seed: to.identity.seed, files };
+        let printed = if to.json { json(&summary) } else { text(&summary, to.color) };
+        to.out.write_all(printed.as_bytes())?;
         let open = |file: &FileReport| file.report.beyond.is_some() || (file.patch.is_some() && !file.written);
-        Ok(match printing.ended(err)? {
+        Ok(match to.ended()? {
             Some(status) => status,
             None if broken || summary.files.iter().any(open) => ExitStatus::Findings,
             None => ExitStatus::Clean,

@@ -74,21 +74,15 @@ impl Join for ShardResult {
 
 impl Printed for ShardResult {
     /// Needs the device: its behaviours are probed, and its definitions confirmed.
-    fn print(
-        self,
-        identity: &Identity,
-        printing: Printing,
-        out: &mut dyn Write,
-        err: &mut dyn Write,
-    ) -> anyhow::Result<ExitStatus> {
-        let parameter = |name: &str| identity.parameters.get(name);
-        let lane = open(parameter(LANE), err)?;
+    fn print(self, to: Printing<'_>) -> anyhow::Result<ExitStatus> {
+        let parameter = |name: &str| to.identity.parameters.get(name);
+        let lane = open(parameter(LANE), to.err)?;
         let (here, measured) = (&lane.description().driver, &self.0.request().driver);
         anyhow::ensure!(
             here == measured,
             "the shards measured {measured}, and this machine has {here}; merge where the device is"
         );
         let output = PathBuf::from(parameter(OUTPUT).map_or("measured.profile.toml", String::as_str));
-        conclude(&self.0, &output, lane.as_ref(), printing.json, out)
+        conclude(&self.0, &output, lane.as_ref(), to.json, to.out)
     }
 }

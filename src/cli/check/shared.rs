@@ -146,14 +146,9 @@ impl Join for ShardResult {
 }
 
 impl Printed for ShardResult {
-    fn print(
-        self,
-        identity: &Identity,
-        Printing { json, color, .. }: Printing,
-        out: &mut dyn Write,
-        err: &mut dyn Write,
-    ) -> anyhow::Result<ExitStatus> {
-        let (seed, lanes, asked, required) = (identity.seed, self.lanes, self.asked, self.required);
+    fn print(self, to: Printing<'_>) -> anyhow::Result<ExitStatus> {
+        let (json, color) = (to.json, to.color);
+        let (seed, lanes, asked, required) = (to.identity.seed, self.lanes, self.asked, self.required);
         let [asked, required] = [asked, required].map(|names| names.into_iter().collect());
         let mut summary = Summary { seed, lanes, asked, required, ..Summary::default() };
         summary.unavailable = self.unavailable.known();
@@ -164,13 +159,13 @@ impl Printed for ShardResult {
             let mut entry = Entry { suite, shader, on: Some(on), outcome: Outcome::Ran(Box::new(report)) };
             expectations.apply(number, &mut entry, &summary.lanes);
             if !json {
-                out.write_all(report::check::line(&entry, color).as_bytes())?;
+                to.out.write_all(report::check::line(&entry, color).as_bytes())?;
             }
             summary.entries.push(entry);
         }
         summary.stale = expectations.stale();
-        super::print(&summary, json, color, out)?;
-        super::concluded(&summary, err)
+        super::print(&summary, json, color, to.out)?;
+        super::concluded(&summary, to.err)
     }
 }
 

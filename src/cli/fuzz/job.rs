@@ -135,9 +135,7 @@ pub struct Lines<'a> {
     pub terminal: Terminal<'a>,
     pub args: &'a FuzzArgs,
     pub sources: &'a [IncludedText],
-    pub color: bool,
     pub many: bool,
-    pub text: bool,
     pub whole: bool,
     /// Functions that were told.
     pub told: usize,
@@ -151,18 +149,18 @@ impl<'a> Watch<'a> for Lines<'a> {
 
 impl Observer<Functions<'_>> for Lines<'_> {
     fn event(&mut self, event: Event<'_>) -> anyhow::Result<()> {
-        let Terminal { bar, out, err } = &mut self.terminal;
+        let Terminal { bar, json, out, err, .. } = &mut self.terminal;
         match event {
             Event::Function { what, on, steps } => bar.start(what, on, steps),
             Event::File(source, errors) => bar.suspend(|| {
-                if self.text || !self.whole {
+                if !*json || !self.whole {
                     source.notes().iter().try_for_each(|note| writeln!(err, "note: {note}"))?;
                 }
                 if !self.whole {
                     let shown = |error| report::diagnostics::text(error, Lang::En, false);
                     errors.iter().try_for_each(|error| err.write_all(shown(error).as_bytes()))?;
                 }
-                if self.text && self.whole && self.many { writeln!(out, "{}", source.name) } else { Ok(()) }
+                if !*json && self.whole && self.many { writeln!(out, "{}", source.name) } else { Ok(()) }
             })?,
         }
         Ok(())
@@ -172,11 +170,11 @@ impl Observer<Functions<'_>> for Lines<'_> {
         if !self.whole {
             return Ok(());
         }
-        let Terminal { bar, out, err } = &mut self.terminal;
+        let Terminal { bar, json, color, out, err } = &mut self.terminal;
         for (_, file, function) in part.functions.iter().skip(self.told) {
-            if self.text {
+            if !*json {
                 bar.suspend(|| {
-                    out.write_all(line(function, self.color).as_bytes())?;
+                    out.write_all(line(function, *color).as_bytes())?;
                     out.flush()
                 })?;
             }
@@ -239,36 +237,30 @@ impl Join for ShardResult {
 }
 
 impl Printed for ShardResult {
-    fn print(
-        self,
-        identity: &Identity,
-        printing: Printing,
-        out: &mut dyn Write,
-        err: &mut dyn Write,
-    ) -> anyhow::Result<ExitStatus> {
-        let (color, notes) = (printing.color, identity.parameters.get(NOTES).is_some_and(|notes| notes == "true"));
-        let mut summary = Summary { seed: identity.seed, lanes: self.lanes, ..Summary::default() };
-        (summary.unavailable, summary.interrupted) = (self.unavailable.known(), printing.interrupted);
+    fn print(self, to: Printing<'_>) -> anyhow::Result<ExitStatus> {
+        let (color, notes) = (to.color, to.identity.parameters.get(NOTES).is_some_and(|notes| notes == "true"));
+        let mut summary = Summary { seed: to.identity.seed, lanes: self.lanes, ..Summary::default() };
+        (summary.unavailable, summary.interrupted) = (self.unavailable.known(), to.interrupted);
         summary.asked = self.asked.into_iter().collect();
         let file = |File { file, notes, errors }| FileReport { file, notes, errors, ..FileReport::default() };
         summary.files = self.files.into_iter().map(file).collect();
         for (_, file, function) in self.functions {
             summary.files[file].functions.push(function);
         }
-        if printing.json {
-            out.write_all(json(&summary).as_bytes())?;
-            return status_of(&summary, err);
+        if to.json {
+            to.out.write_all(json(&summary).as_bytes())?;
+            return status_of(&summary, to.err);
         }
-        for file in summary.files.iter().filter(|_| !printing.live) {
+        for file in summary.files.iter().filter(|_| !to.live) {
             if summary.files.len() > 1 {
-                writeln!(out, "{}", file.file)?;
+                writeln!(to.out, "{}", file.file)?;
             }
-            file.functions.iter().try_for_each(|function| out.write_all(line(function, color).as_bytes()))?;
+            file.functions.iter().try_for_each(|function| to.out.write_all(line(function, color).as_bytes()))?;
         }
-        summary.files.iter().try_for_each(|file| out.write_all(findings(file, notes, color).as_bytes()))?;
-        writeln!(out)?;
-        out.write_all(totals(&summary, notes, color).as_bytes())?;
-        status_of(&summary, err)
+        summary.files.iter().try_for_each(|file| to.out.write_all(findings(file, notes, color).as_bytes()))?;
+        writeln!(to.out)?;
+        to.out.write_all(totals(&summary, notes, color).as_bytes())?;
+        status_of(&summary, to.err)
     }
 }
 
