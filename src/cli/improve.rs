@@ -98,9 +98,9 @@ pub fn run(args: &ImproveArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
     let lanes: Vec<&dyn Lane> = opened.lanes.iter().map(AsRef::as_ref).collect();
     let improved = |path: &Path| matches!(Written::of_path(&path.to_string_lossy()), Written::Glsl | Written::Wgsl);
     let (paths, searched) = below::shaders(&args.files, improved)?;
-    let (inputs, known) = (Inputs::new(&stated), Vec::new());
+    let (inputs, known, broken) = (Inputs::new(&stated), Vec::new(), false);
     let key = |shards| identity(args, shards, &paths, (&profile, &lanes));
-    let mut files = Files { args, paths: &paths, searched, profile: &profile, lanes: &lanes, inputs, known };
+    let mut files = Files { args, paths: &paths, searched, profile: &profile, lanes: &lanes, inputs, known, broken };
     args.sharing.run(&mut files, Outcomes(Vec::new()), key, &mut Terminal::new(args.format, color, out, err))
 }
 
@@ -152,6 +152,8 @@ struct Files<'a> {
     lanes: &'a [&'a dyn Lane],
     inputs: Inputs<'a>,
     known: Vec<String>,
+    /// A file does not compile, of this shard or of another: what is in it is not known.
+    broken: bool,
 }
 
 /// A file with its functions and their inputs.
@@ -167,10 +169,10 @@ impl Job for Files<'_> {
     type Error = anyhow::Error;
     type Event<'e> = Seen<'e>;
 
-    fn unit(&mut self, number: u64, at: &mut At<'_, Self>) -> anyhow::Result<Option<Self::Unit>> {
+    fn unit(&mut self, number: u64, _: &mut At<'_, Self>) -> anyhow::Result<Option<Self::Unit>> {
         let args = self.args;
         let Some(path) = self.paths.get(number as usize) else {
-            if !at.part.is_broken() {
+            if !self.broken {
                 all_known(&args.function, &self.known)?;
                 self.inputs.all_used()?;
             }
@@ -183,6 +185,7 @@ impl Job for Files<'_> {
         };
         let (errors, subjects) = subjects((&args.function, &args.input.define), &source, &mut self.known)?;
         if !errors.is_empty() {
+            self.broken = true;
             return Ok(Some(Err(Outcome::broken(&errors))));
         }
         let mut with_inputs = Vec::new();

@@ -38,23 +38,20 @@ impl<T> Outcome<T> {
 pub struct Outcomes<T>(pub Vec<(u64, Outcome<T>)>);
 
 impl<T> Outcomes<T> {
-    /// True where a file does not compile.
-    pub fn is_broken(&self) -> bool {
-        self.0.iter().any(|(_, outcome)| matches!(outcome, Outcome::Broken(_)))
-    }
-
     /// The reports, and whether a file does not compile. What is said beside them is written, unless it was when it came up.
     ///
     /// # Errors
     /// When it cannot be written.
     pub fn reports(self, to: &mut Printing<'_>) -> std::io::Result<(Vec<T>, bool)> {
-        let (mut reports, broken) = (Vec::new(), self.is_broken());
+        let (mut reports, mut broken) = (Vec::new(), false);
         for (_, outcome) in self.0 {
             if let Some(said) = outcome.said().filter(|_| !to.live) {
                 to.err.write_all(said.as_bytes())?;
             }
-            if let Outcome::Report(report) = outcome {
-                reports.push(report);
+            match outcome {
+                Outcome::Report(report) => reports.push(report),
+                Outcome::Broken(_) => broken = true,
+                Outcome::Nothing(_) => {}
             }
         }
         Ok((reports, broken))

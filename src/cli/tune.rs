@@ -142,7 +142,9 @@ pub fn run(args: &TuneArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     let (files, searched) = below::shaders(&args.files, wanted)?;
     let key = |shards| identity(args, shards, &files);
     let inputs = Inputs::new(&domains);
-    let mut shaders = Shaders { args, request, files: &files, searched, inputs, read: 0, sources: Vec::new(), next: 0 };
+    let (read, next, broken) = (0, 0, false);
+    let sources = Vec::new();
+    let mut shaders = Shaders { args, request, files: &files, searched, inputs, broken, read, sources, next };
     args.sharing.run(&mut shaders, Outcomes(Vec::new()), key, &mut Terminal::new(args.format, color, out, err))
 }
 
@@ -174,6 +176,8 @@ struct Shaders<'a> {
     /// The files were found in a folder.
     searched: bool,
     inputs: Inputs<'a>,
+    /// A shader does not compile, of this shard or of another: what is in it is not known.
+    broken: bool,
     /// Files that were read, the shaders of the last one, and which of them comes next.
     read: usize,
     sources: Vec<IncludedText>,
@@ -192,7 +196,7 @@ impl Job for Shaders<'_> {
     fn unit(&mut self, _: u64, at: &mut At<'_, Self>) -> anyhow::Result<Option<Unit>> {
         while self.next == self.sources.len() {
             let Some(path) = self.files.get(self.read) else {
-                if !at.part.is_broken() {
+                if !self.broken {
                     self.inputs.all_used()?;
                 }
                 return Ok(None);
@@ -252,6 +256,7 @@ impl Shaders<'_> {
         let mut known = Vec::new();
         let (errors, subjects) = subjects((&wanted, &args.input.define), source, &mut known)?;
         if !errors.is_empty() {
+            self.broken = true;
             return Ok(Err(Outcome::broken(&errors)));
         }
         all_known(&wanted, &known)?;

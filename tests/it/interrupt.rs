@@ -119,8 +119,8 @@ fn a_signal_ends_tune_with_the_shaders_that_are_done_and_writes_none_of_the_othe
     let folder = tempfile::tempdir().unwrap();
     let own = fs::read_to_string(root().join("fixtures/tune/distance.frag")).unwrap();
     fs::write(folder.path().join("distance.frag"), &own).unwrap();
-    let tune = command(folder.path(), "tune distance.frag --fix --samples 400000000");
-    let ran: Ran = signalled(tune, "INT", Duration::from_secs(5)).into();
+    let tune = command(folder.path(), "tune distance.frag --fix --samples 1048576");
+    let ran: Ran = signalled(tune, "INT", Duration::from_secs(3)).into();
     let ran = ran.expect(130);
     assert!(ran.err.contains("error: the run was interrupted by SIGINT; this is what was found"), "{}", ran.err);
     assert_eq!(fs::read_to_string(folder.path().join("distance.frag")).unwrap(), own);

@@ -54,8 +54,8 @@ pub trait Job: Sized {
     /// What ends the run.
     fn unit(&mut self, number: u64, at: &mut At<'_, Self>) -> Result<Option<Self::Unit>, Self::Error>;
 
-    /// Does a unit, given with its number, and adds what came of it. Returns early when the process is interrupted: a whole run
-    /// keeps what was found until then, a shard forgets it.
+    /// Does a unit, given with its number, and adds what came of it. Returns early when the process is interrupted: a whole
+    /// run keeps what was found until then, a shard forgets it.
     ///
     /// # Errors
     /// What ends the run.
@@ -178,4 +178,74 @@ pub fn run<J: Job>(
         }
     }
     Ok(Some(at.part))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Squares of numbers; one of which may be wrong.
+    #[derive(Default)]
+    struct Squares {
+        wrong: Option<u64>,
+        /// Units that ran.
+        ran: u64,
+    }
+
+    impl Job for Squares {
+        type Unit = u64;
+        type Part = Vec<(u64, u64)>;
+        type Error = String;
+        type Event<'e> = ();
+
+        fn unit(&mut self, number: u64, _: &mut At<'_, Self>) -> Result<Option<u64>, String> {
+            if self.wrong == Some(number) { Err("wrong".to_owned()) } else { Ok(Some(number + 1).filter(|k| *k <= 10)) }
+        }
+
+        fn run(&mut self, (number, unit): (u64, u64), at: &mut At<'_, Self>) -> Result<(), String> {
+            self.ran += 1;
+            at.part.push((number, unit * unit));
+            Ok(())
+        }
+    }
+
+    /// Keeps every checkpoint.
+    #[derive(Default)]
+    struct Kept(Vec<Reached<Vec<(u64, u64)>>>);
+
+    impl Observer<Squares> for Kept {
+        fn checkpoint(&mut self, done: u64, part: &Vec<(u64, u64)>) -> Result<(), String> {
+            self.0.push(Reached { done, part: part.clone() });
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn shards_do_each_unit_once_and_go_on_from_every_checkpoint() {
+        for count in [1, 2, 3, 7, 16] {
+            let mut all = Vec::new();
+            for index in 0..count {
+                let (shard, mut kept) = (Some(Shard::new(index, count).unwrap()), Kept::default());
+                let found = run(&mut Squares::default(), shard, Reached::default(), &mut kept).unwrap().unwrap();
+                for reached in kept.0 {
+                    let (mut job, left) = (Squares::default(), found.len() as u64 - reached.done);
+                    let again = run(&mut job, shard, reached, &mut Kept::default()).unwrap();
+                    assert_eq!((again.as_ref(), job.ran), (Some(&found), left), "{index}/{count}");
+                }
+                all.extend(found);
+            }
+            all.sort_unstable();
+            let whole = run(&mut Squares::default(), None, Reached::default(), &mut Kept::default());
+            assert_eq!(whole.unwrap(), Some(all), "{count} shards");
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_with_one_unit_ends_every_shard() {
+        for index in 0..3 {
+            let (mut job, shard) = (Squares { wrong: Some(7), ran: 0 }, Shard::new(index, 3).ok());
+            let ended = run(&mut job, shard, Reached::default(), &mut Kept::default());
+            assert_eq!(ended, Err("wrong".to_owned()), "{index}");
+        }
+    }
 }
