@@ -85,7 +85,7 @@ pub struct CompareArgs {
     /// Which pairs of the run: pair `k` is done by shard `k` modulo N
     #[command(flatten)]
     pub sharing: ShardArgs,
-    /// How the result is printed
+    /// Format of the result
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }

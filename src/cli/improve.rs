@@ -75,7 +75,7 @@ pub struct ImproveArgs {
     /// Which files of the run: file `k` is done by shard `k` modulo N
     #[command(flatten)]
     pub sharing: ShardArgs,
-    /// How the result is printed
+    /// Format of the result
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }

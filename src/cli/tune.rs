@@ -82,7 +82,7 @@ pub struct TuneArgs {
     /// Which shaders of the run: shader `k` is done by shard `k` modulo N
     #[command(flatten)]
     pub sharing: ShardArgs,
-    /// How the result is printed
+    /// Format of the result
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }

@@ -84,7 +84,7 @@ pub struct Lost {
     /// In the mean.
     #[serde(with = "crate::bits")]
     pub mean: f64,
-    /// At worst.
+    /// At the worst point.
     #[serde(with = "crate::bits")]
     pub worst: f64,
 }
@@ -129,7 +129,7 @@ pub struct Report {
 /// A share of points, one of them by names and values of its inputs, and bits lost there by the original and by another one.
 pub type Worse = (f64, Vec<(String, f32)>, [f64; 2]);
 
-/// Another formula.
+/// A formula that is proved to equal the expression, and loses fewer bits.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Proposal {
     /// Its text.
