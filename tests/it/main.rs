@@ -47,6 +47,7 @@ mod planted;
 mod positions;
 mod precision;
 mod probe;
+mod readings;
 mod refdata;
 mod refused;
 mod regress;

@@ -194,7 +194,9 @@ fn run_rules_until(
 
 /// Errors that the host may take away by what it puts around a text are told on request.
 fn leave_doubtful_to_strict(project: &Project, told: &mut [(Level, Diagnostic)]) {
-    let shaders: HashMap<&str, &ShaderFile> = project.shaders().map(|s| (s.file.name(), s)).collect();
+    // Parts of one file for the same stage have one name.
+    let mut shaders: HashMap<&str, Vec<&ShaderFile>> = HashMap::new();
+    project.shaders().for_each(|s| shaders.entry(s.file.name()).or_default().push(s));
     let mut in_front: Option<HashSet<String>> = None;
     let supplied = open::supplied(project);
     let marks = open::marks(project);
@@ -204,16 +206,16 @@ fn leave_doubtful_to_strict(project: &Project, told: &mut [(Level, Diagnostic)])
         .map(|s| s.file.name())
         .collect();
     for (level, error) in told.iter_mut().filter(|(level, _)| *level == Level::Default) {
-        let Some(shader) = shaders.get(error.file.name()) else { continue };
+        let stands = |s: &&&ShaderFile| s.front_end.iter().any(|d| d.code == error.code && d.span == error.span);
+        let Some(shader) = shaders.get(error.file.name()).and_then(|all| all.iter().find(stands)) else { continue };
         let mut may_be_in_front = || {
             let names = in_front.get_or_insert_with(|| open::names_in_front(project));
             names.contains(error.file.slice(error.span))
         };
-        let of_front_end = shader.front_end.iter().any(|d| d.code == error.code && d.span == error.span);
         let about_a_name = open::is_about_a_name(error);
         let may_be_supplied = || supplied.may_be(error);
         let doubtful = || shader.is_doubtful(error) || rewritten.contains(error.file.name());
-        if of_front_end && (doubtful() || (about_a_name && (may_be_supplied() || may_be_in_front()))) {
+        if doubtful() || (about_a_name && (may_be_supplied() || may_be_in_front())) {
             *level = Level::Strict;
         }
     }

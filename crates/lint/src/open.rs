@@ -17,6 +17,7 @@ use syntax::{BuiltinFunction, Profile, Shader, Stage, Token, TokenKind, TokenPla
 
 use super::conditions::{self, Conditions};
 use super::dialect;
+use super::host::marks;
 use super::project::Project;
 
 /// Those of the errors of a text that its host may take away.
@@ -46,7 +47,15 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
         under_versions(shader, found, &mut kept, if old { &ANY_VERSION[..1] } else { &ANY_VERSION });
     }
     let surroundings = Surroundings { shader, conditions: &conditions, open };
-    found.iter().zip(kept).map(|(error, kept)| !kept || surroundings.rests(error).intersects(open)).collect()
+    let mut doubtful: Vec<bool> =
+        found.iter().zip(kept).map(|(error, kept)| !kept || surroundings.rests(error).intersects(open)).collect();
+    // What follows in the grammar may follow from that.
+    let is_first = |(error, doubtful): &(&Diagnostic, &bool)| **doubtful && error.code == errors::SYNTAX;
+    let first = found.iter().zip(&doubtful).filter(is_first).map(|(error, _)| error.span.start).min();
+    for (error, doubtful) in found.iter().zip(&mut doubtful).filter(|(d, _)| d.code == errors::SYNTAX) {
+        *doubtful |= first.is_some_and(|first| error.span.start >= first);
+    }
+    doubtful
 }
 
 /// What a text leaves to its surroundings.
@@ -64,6 +73,8 @@ fn of(shader: &Shader, conditions: &Conditions, found: &[Diagnostic]) -> Around 
     let of_old_stages = shader.extensions().iter().any(|e| e.name.ends_with("_geometry_shader4"));
     let extended = shader.requires_unknown_extension() || of_old_stages;
     let many = conditions.undefined(true).len() > conditions::MOST_ASKED;
+    // Two of them are of two shaders, of which one file has the texts.
+    let again = |d: &Diagnostic| d.code == errors::REDEFINITION && file.slice(d.span) == "main";
     let when = |open: bool, what: Around| if open { what } else { Around::empty() };
     // Anyone may define a macro that nothing in the text defines.
     Around::VALUES
@@ -74,6 +85,7 @@ fn of(shader: &Shader, conditions: &Conditions, found: &[Diagnostic]) -> Around 
         | when(rewritten, Around::GRAMMAR)
         | when(extended, Around::NAMES | Around::TYPES)
         // Of what depends on many names, each of them alone says little.
+        | when(found.iter().any(again), Around::WHOLE)
         | when(many, Around::NAMES | Around::TYPES | Around::MACROS)
         | when(is_piece, Around::all().difference(Around::TYPES))
 }
@@ -83,13 +95,23 @@ fn has_main(shader: &Shader) -> bool {
 }
 
 /// A text and what it leaves open.
-struct Surroundings<'a> {
+pub struct Surroundings<'a> {
     shader: &'a Shader,
     conditions: &'a Conditions,
     open: Around,
 }
 
-impl Surroundings<'_> {
+impl<'a> Surroundings<'a> {
+    /// Those of a text in which these errors were found.
+    pub fn new(shader: &'a Shader, conditions: &'a Conditions, found: &[Diagnostic]) -> Self {
+        Self { shader, conditions, open: of(shader, conditions, found) }
+    }
+
+    /// True for an error that rests on something open, or on anything of `more`; what stands in a macro aside.
+    pub fn leave_open(&self, error: &Diagnostic, more: Around) -> bool {
+        self.rests(error).difference(Around::VALUES).intersects(self.open | more)
+    }
+
     /// What an error rests on: what its code does, and what its place shows.
     fn rests(&self, error: &Diagnostic) -> Around {
         let file = self.shader.file();
@@ -146,11 +168,17 @@ pub fn rests(error: &Diagnostic) -> Around {
     rests
 }
 
-/// True for a name that comes with another, which was meant. What the text has in quotes as well, in a comment or in data in
-/// front, is known to its host by that name.
+/// True for a name that comes with another, which was meant. A slip happens once in the code, unless what is meant stands further down;
+/// and what the text has in quotes as well, in a comment or in data in front, is known to its host by that name.
 pub fn is_slip(error: &Diagnostic) -> bool {
-    let quoted = || error.file.text().contains(&format!("\"{}\"", error.file.slice(error.span)));
-    errors::is_name(error.code) && error.help.is_some() && !quoted()
+    let word = error.file.slice(error.span);
+    let part = |c: char| c.is_alphanumeric() || c == '_';
+    let once = || {
+        let code = marks::without_comments(error.file.text());
+        code.split(|c| !part(c)).filter(|w| *w == word).nth(1).is_none()
+    };
+    let quoted = || error.file.text().contains(&format!("\"{word}\""));
+    errors::is_name(error.code) && error.help.is_some() && (!error.related.is_empty() || once()) && !quoted()
 }
 
 /// True for an error that is none where a name stands for something else: another function, or one more of them.

@@ -80,6 +80,10 @@ pub enum Language {
 /// True for a text that other tools write in another language under an ending that GLSL shares with them: engines
 /// their own `.shader`, assembly programs `.vp` and `.fp`, anyone `.cont` and `.eval`; and HLSL in a folder of that name.
 fn is_other_language(path: &str, text: &str) -> bool {
+    // Programs in assembly begin so: `!!ARBvp1.0`.
+    if text.trim_start().starts_with("!!") {
+        return true;
+    }
     match extension(path).to_ascii_lowercase().as_str() {
         "shader" => true,
         "vp" | "fp" | "cont" | "eval" => !super::host::marks::has_main(text) && !text.contains("#version"),

@@ -63,6 +63,8 @@ fn versioned(file: &SourceFile) -> Vec<(Stage, Literal)> {
     let mut read = |part: Span| {
         // Behind the last function stands what introduces the next shader.
         let end = file.slice(part).rfind('}').map_or(part.end, |at| part.start + at + 1);
+        // A block that was opened in front of it is closed behind it.
+        let end = closed(&text[part.start..end]).map_or(end, |at| part.start + at);
         let between = &text[end_before..part.start];
         end_before = end;
         let own = &text[part.start..end];
@@ -70,6 +72,25 @@ fn versioned(file: &SourceFile) -> Vec<(Stage, Literal)> {
         (stage, Literal::part(file, Span::new(part.start, end)))
     };
     parts.into_iter().map(&mut read).collect()
+}
+
+/// Where a text has the brace that closes what was opened in front of it.
+fn closed(text: &str) -> Option<usize> {
+    let (mut depth, mut at) = (0_usize, 0);
+    while let Some(first) = text[at..].chars().next() {
+        let rest = &text[at..];
+        at += match first {
+            '/' if rest.starts_with("//") => rest.find('\n').unwrap_or(rest.len()),
+            '/' if rest.starts_with("/*") => rest.find("*/").map_or(rest.len(), |end| end + 2),
+            '}' if depth == 0 => return Some(at),
+            '{' | '}' => {
+                depth = if first == '{' { depth + 1 } else { depth - 1 };
+                1
+            }
+            _ => first.len_utf8(),
+        };
+    }
+    None
 }
 
 /// Lines with where they start.

@@ -6,7 +6,7 @@ use syntax::errors::Around;
 use syntax::{Parsed, Shader, TokenPlace, errors};
 
 use crate::conditions::{self, Conditions};
-use crate::open;
+use crate::open::{self, Surroundings};
 
 /// Names that are tried one by one at most.
 const MOST: usize = 8;
@@ -14,7 +14,8 @@ const MOST: usize = 8;
 /// Errors in parts that macros from outside switch on, with true for what is certain: each holds under every definition
 /// that was tried and that switches its place on.
 pub fn errors(shader: &Shader) -> Vec<(bool, Diagnostic)> {
-    let asked = Conditions::of(shader).undefined(false);
+    let conditions = Conditions::of(shader);
+    let asked = conditions.undefined(false);
     if asked.is_empty() || !shader.defines().is_empty() {
         return Vec::new();
     }
@@ -32,6 +33,7 @@ pub fn errors(shader: &Shader) -> Vec<(bool, Diagnostic)> {
     let mut tried: Vec<Parsed> = Vec::new();
     for defines in sets {
         let parsed = shader.with_defines(&defines);
+        let surroundings = Surroundings::new(&parsed.shader, &conditions, &parsed.diagnostics);
         for error in &parsed.diagnostics {
             let told = |(_, d): &(bool, Diagnostic)| open::stands_in(std::slice::from_ref(d), error);
             if is_active(shader, error.span) || found.iter().any(told) {
@@ -41,12 +43,9 @@ pub fn errors(shader: &Shader) -> Vec<(bool, Diagnostic)> {
             // The macro stands where a name is wanted: what guards a declaration has taken its name.
             let own = error.code == errors::SYNTAX && defines.iter().any(|(macro_name, _)| macro_name == name);
             let unsure = open::is_of_unknown_value(&parsed.shader, &asked, error);
-            let certain = own
-                || (!many
-                    && whole
-                    && !open::rests(error).difference(Around::VALUES).intersects(outside)
-                    && !unsure
-                    && !open::is_of_another(error));
+            let of_names = open::is_of_another(error) || errors::is_name(error.code);
+            let open = unsure || of_names || surroundings.leave_open(error, outside);
+            let certain = own || (!many && whole && !open);
             let unknown = error.code == errors::UNKNOWN_NAME && !syntax::is_macro(name);
             let of_types = !errors::rests_on(error.code).intersects(!(Around::TYPES | Around::VALUES));
             let on_request = !many && (unknown || of_types);

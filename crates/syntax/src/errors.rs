@@ -63,7 +63,7 @@ errors! {
     OWN:
     SYNTAX = "E001" [GRAMMAR | VALUES | WHOLE] "the text does not follow the grammar";
     TOKEN = "E002" [GRAMMAR | WHOLE] "a character or comment that is no part of the language";
-    LITERAL = "E003" [NOTHING] "a number that cannot be read or does not fit";
+    LITERAL = "E003" [GRAMMAR] "a number that cannot be read or does not fit";
     TOO_DEEP = "E004" [NOTHING] "the text is larger, or nested deeper, than what is read";
     UNKNOWN_DIRECTIVE = "E010" [GRAMMAR | WHOLE] "a directive that the language does not have";
     CONDITIONAL = "E011" [GRAMMAR | WHOLE] "an #if without #endif, or an #else, #elif or #endif without #if";

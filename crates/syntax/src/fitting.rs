@@ -17,6 +17,17 @@ const STATED: [(u32, Profile); 9] = [
     (460, Profile::Compatibility),
 ];
 
+/// True for a version that has a stage: no earlier one has compute stages.
+fn has(version: &Version, stage: Stage) -> bool {
+    stage != Stage::Compute || version.number >= if version.profile == Profile::Es { 310 } else { 430 }
+}
+
+/// What a host may state in front of a text of this stage.
+fn stated_for(stage: Stage) -> impl Iterator<Item = Version> {
+    let versions = STATED.into_iter().map(|(number, profile)| Version { number, profile, span: None });
+    versions.filter(move |version| has(version, stage))
+}
+
 impl Shader {
     /// Reads a text as its host is taken to compile it. One without `#version` is GLSL 1.10, unless it uses what came later
     /// and a host that puts another version in front of it leaves fewer errors: then it is read as such, and names may be
@@ -29,11 +40,11 @@ impl Shader {
         if plain.shader.version().span.is_some() || !plain.diagnostics.iter().any(|d| later.contains(&d.code)) {
             return plain;
         }
-        // Names that are not declared say nothing about the version.
-        let weight = |p: &Parsed| p.diagnostics.iter().filter(|d| !errors::is_name(d.code)).count();
+        // Names that are not declared say nothing about the version, but those that other versions of the language have.
+        let weight = |p: &Parsed| p.diagnostics.iter().filter(|d| !errors::is_name(d.code)).count() + p.shader.absent();
         let mut best = plain;
-        for (number, profile) in STATED.into_iter().filter(|(_, profile)| !es || *profile == Profile::Es) {
-            let parsed = Self::read(file, stage, defines, Some(Version { number, profile, span: None }));
+        for version in stated_for(stage).filter(|version| !es || version.profile == Profile::Es) {
+            let parsed = Self::read(file, stage, defines, Some(version));
             if weight(&parsed) < weight(&best) {
                 best = parsed;
             }
@@ -58,11 +69,8 @@ pub fn fitting(
     }
     let read = Shader::parse_fitting(file, stage, defines, false).shader.version().clone();
     let (mut best, mut least) = (file.clone(), errors(&plain));
-    let tried = STATED.map(|(number, profile)| Version { number, profile, span: None });
-    // No earlier version has compute stages.
-    let computes = |v: &Version| v.number >= if v.profile == Profile::Es { 310 } else { 430 };
-    let fits = |v: &Version| stage != Stage::Compute || computes(v);
-    for version in first().into_iter().chain([read]).chain(tried).filter(fits) {
+    let proposed = first().into_iter().chain([read]).filter(|version| has(version, stage));
+    for version in proposed.chain(stated_for(stage)) {
         let text = stated(&plain.shader, &version);
         let found = errors(&Shader::parse_with(&text, stage, defines));
         if found < least {

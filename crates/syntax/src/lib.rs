@@ -199,6 +199,7 @@ pub struct Shader {
     uses: Vec<Use>,
     unknown: bool,
     lacking: Vec<(String, Lacks)>,
+    absent: usize,
     interface: Interface,
     defines: Vec<(String, String)>,
     wgsl: Option<Box<wgsl::Module>>,
@@ -251,6 +252,7 @@ impl Shader {
             mut uses,
             unknown,
             lacking,
+            absent,
             interface,
         } = check::check(&unit, &arena, stage, language, incomplete, &mut sink);
         // A project keeps thousands of these: what growing vectors hold in reserve adds up.
@@ -275,6 +277,7 @@ impl Shader {
             uses,
             unknown,
             lacking,
+            absent,
             interface,
             defines: defines.to_vec(),
             wgsl: None,
@@ -324,6 +327,11 @@ impl Shader {
     /// Names that nothing in this text in GLSL declares, each once, with what it is used as first.
     pub fn lacking(&self) -> &[(String, Lacks)] {
         &self.lacking
+    }
+
+    /// How often the text in GLSL uses what the language has, and neither its version nor its stage.
+    pub fn absent(&self) -> usize {
+        self.absent
     }
 
     /// The version, with the place of its directive.

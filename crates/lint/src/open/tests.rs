@@ -309,6 +309,11 @@ fn a_name_in_a_text_without_a_version_is_told_where_it_is_a_slip() {
     let text = |name: &str| format!("varying vec3 normal;\nvoid main() {{ gl_FragColor = vec4({name}, 1.0); }}\n");
     only_on_request(&[("a.frag", &text("sceneTint"))], "E020");
     by_default(&[("a.frag", &text("normol"))], "E020");
+    // A slip happens once; what stands further down is meant however often.
+    only_on_request(&[("a.frag", &text("normol * normol"))], "E020");
+    let below =
+        "varying float x;\nvoid main() { gl_FragColor = vec4(lit(x) + lit(1.0)); }\nfloat lit(float y) { return y; }\n";
+    by_default(&[("a.frag", below)], "E021");
 }
 
 #[test]
@@ -369,4 +374,57 @@ fn what_does_not_fit_a_host_that_is_guessed_shows_another_host() {
     only_on_request(&[("a.fs", &text(", 0.0"))], "E014");
     only_on_request(&[("a.fs", &text(", 0.0"))], "E038");
     assert!(found(&[("a.fs", &text(""))]).0.is_empty());
+}
+
+#[test]
+fn what_follows_from_a_macro_in_the_grammar_is_told_with_it() {
+    let text = |name: &str| {
+        format!(
+            "#version 450\n#include <engine.h>\n{name}\n{{\n  vec4 tint;\n}} own;\nlayout(location = 0) out vec4 c;\nvoid main() {{ c = vec4(1.0); }}\n"
+        )
+    };
+    let (default, strict) = found(&[("a.frag", &text("PROPERTIES"))]);
+    assert!(default.is_empty() && strict.iter().filter(|code| *code == "E001").count() > 1, "{default:?} {strict:?}");
+    by_default(&[("a.frag", &text("uniform Own : properties"))], "E001");
+}
+
+#[test]
+fn two_mains_are_two_shaders_in_one_file() {
+    let notes = "in vec3 p;\nout vec2 q;\nvoid main() { q = p.xy; gl_Position = vec4(p, 1.0); }\n\n\
+        in vec2 q;\nout vec4 c;\nvoid main() { c = vec4(q, 0.0, 1.0); }\n";
+    only_on_request(&[("notes.glsl", notes)], "E024");
+    by_default(&[("notes.glsl", &notes.replace("void main() { q", "void first() { q"))], "E024");
+}
+
+#[test]
+fn a_handle_may_be_enabled_where_a_variant_uses_it() {
+    let text = |include: &str| {
+        format!(
+            "#version 460\n{include}uniform uvec2 handle;\nin vec2 p;\nout vec4 c;\nvoid main() {{\n  c = vec4(1.0);\n#ifdef MAP\n  c = texture(sampler2D(handle), p);\n#endif\n}}\n"
+        )
+    };
+    only_on_request(&[("a.frag", &text("#include \"bindless.glsl\"\n"))], "E040");
+    // What stands in every variant, and beside no include, is told.
+    by_default(&[("a.frag", &text("").replace("#ifdef MAP\n", "").replace("#endif\n", ""))], "E040");
+}
+
+#[test]
+fn shaders_in_a_block_of_a_file_end_with_it() {
+    let stage = |out: &str| format!("#version 450\nlayout(location = 0) {out}\n");
+    let file = |vertex: &str| {
+        format!(
+            "[Name(\"Ground\")]\nShader\n{{\n  #stage vertex\n{{\n{}void main() {{ {vertex}; }}\n}}\n#stage fragment\n{{\n{}void main() {{ c = vec4(1.0); }}\n}}\n}}\n",
+            stage("in vec3 p;"),
+            stage("out vec4 c;")
+        )
+    };
+    assert_eq!(found(&[("ground.glsl", &file("gl_Position = vec4(p, 1.0)"))]).0, Vec::<String>::new());
+    by_default(&[("ground.glsl", &file("gl_Position = vec3(p)"))], "T003");
+}
+
+#[test]
+fn assembly_is_no_glsl() {
+    let program = "!!ARBfp1.0\nMOV result.color, fragment.color;\nEND\n";
+    assert!(found(&[("a.fs", program)]).0.is_empty());
+    by_default(&[("a.fs", &program[2..])], "E001");
 }

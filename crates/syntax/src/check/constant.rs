@@ -140,6 +140,7 @@ impl Checker<'_> {
 
     /// Tells a built-in function or variable that this stage or version does not have.
     pub(super) fn absent(&mut self, name: &str, span: Span, why: builtin::Absent) {
+        self.out.absent += 1;
         if !self.first_time(name) {
             return;
         }

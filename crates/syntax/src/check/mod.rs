@@ -53,6 +53,8 @@ pub(crate) struct Checked {
     pub unknown: bool,
     /// Such names, each once, in the order in which they are met.
     pub lacking: Vec<(String, Lacks)>,
+    /// Uses of what the language has, and neither the version nor the stage.
+    pub absent: usize,
 }
 
 /// What a name in a scope means.

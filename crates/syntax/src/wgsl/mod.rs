@@ -204,6 +204,7 @@ pub(super) fn read(file: &SourceFile) -> super::Parsed {
         uses,
         unknown,
         lacking: Vec::new(),
+        absent: 0,
         interface: Interface::default(),
         defines: Vec::new(),
         wgsl: Some(Box::new(module)),
