@@ -199,7 +199,7 @@ fn leave_doubtful_to_strict(project: &Project, told: &mut [(Level, Diagnostic)])
     project.shaders().for_each(|s| shaders.entry(s.file.name()).or_default().push(s));
     let mut in_front: Option<HashSet<String>> = None;
     let supplied = open::supplied(project);
-    let marks = open::marks(project);
+    let marks = open::repeated_marks(project);
     let rewritten: HashSet<&str> = project
         .shaders()
         .filter(|s| marks.are_in(s.front_end.iter().chain(&s.on_request)))

@@ -39,14 +39,14 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
         return found.iter().map(|error| rests(error).contains(Around::NAMES)).collect();
     }
     let conditions = Conditions::of(shader);
-    let open = of(shader, &conditions, found);
-    let mut kept = under_conditions(shader, &conditions, found);
+    let surroundings = Surroundings::new(shader, &conditions, found);
+    let open = surroundings.open;
+    let mut kept = under_conditions(shader, &surroundings.asked, found);
     if shader.version().span.is_none() {
         // What is written for the first versions is compiled as such where nobody can state another.
         let old = is_old(shader) && has_main(shader) && !open.contains(Around::ENABLED);
         under_versions(shader, found, &mut kept, if old { &ANY_VERSION[..1] } else { &ANY_VERSION });
     }
-    let surroundings = Surroundings { shader, conditions: &conditions, open };
     let mut doubtful: Vec<bool> =
         found.iter().zip(kept).map(|(error, kept)| !kept || surroundings.rests(error).intersects(open)).collect();
     // What follows in the grammar may follow from that.
@@ -59,7 +59,7 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
 }
 
 /// What a text leaves to its surroundings.
-fn of(shader: &Shader, conditions: &Conditions, found: &[Diagnostic]) -> Around {
+fn of(shader: &Shader, asked: &BTreeSet<String>, found: &[Diagnostic]) -> Around {
     let file = shader.file();
     let versioned = shader.version().span.is_some();
     let unknown_stage = shader.stage() == Stage::Library;
@@ -72,7 +72,7 @@ fn of(shader: &Shader, conditions: &Conditions, found: &[Diagnostic]) -> Around 
     // Geometry stages of GLSL 1.20 are enabled, and have words and qualifiers that no version has.
     let of_old_stages = shader.extensions().iter().any(|e| e.name.ends_with("_geometry_shader4"));
     let extended = shader.requires_unknown_extension() || of_old_stages;
-    let many = conditions.undefined(true).len() > conditions::MOST_ASKED;
+    let many = asked.len() > conditions::MOST_ASKED;
     // Two of them are of two shaders, of which one file has the texts.
     let again = |d: &Diagnostic| d.code == errors::REDEFINITION && file.slice(d.span) == "main";
     let when = |open: bool, what: Around| if open { what } else { Around::empty() };
@@ -98,13 +98,16 @@ fn has_main(shader: &Shader) -> bool {
 pub struct Surroundings<'a> {
     shader: &'a Shader,
     conditions: &'a Conditions,
+    /// Macros that an `#if` asks for and nothing in the text defines.
+    asked: BTreeSet<String>,
     open: Around,
 }
 
 impl<'a> Surroundings<'a> {
     /// Those of a text in which these errors were found.
     pub fn new(shader: &'a Shader, conditions: &'a Conditions, found: &[Diagnostic]) -> Self {
-        Self { shader, conditions, open: of(shader, conditions, found) }
+        let asked = conditions.undefined(true);
+        Self { shader, conditions, open: of(shader, &asked, found), asked }
     }
 
     /// True for an error that rests on something open, or on anything of `more`; what stands in a macro aside.
@@ -145,7 +148,7 @@ impl<'a> Surroundings<'a> {
         let beside = self.open.contains(Around::MACROS) && error.code == errors::SYNTAX && at_macro(self.shader, error);
         beside
             || is_at_unknown_macro(self.shader, self.conditions, error)
-            || is_of_unknown_value(self.shader, &self.conditions.undefined(true), error)
+            || is_of_unknown_value(self.shader, &self.asked, error)
     }
 }
 
@@ -259,13 +262,12 @@ fn is_bindless(file: &SourceFile, error: &Diagnostic) -> bool {
 
 /// For each error, whether it stays whatever is defined from outside of that which an `#if` asks and the text does not
 /// define: each name by itself, and all of them. Where a definition leaves the place of an error out, it says nothing.
-fn under_conditions(shader: &Shader, conditions: &Conditions, found: &[Diagnostic]) -> Vec<bool> {
-    let asked = conditions.undefined(true);
+fn under_conditions(shader: &Shader, asked: &BTreeSet<String>, found: &[Diagnostic]) -> Vec<bool> {
     if asked.len() > conditions::MOST_ASKED {
         return vec![true; found.len()];
     }
     let mut kept = vec![true; found.len()];
-    for defines in conditions::each_and_all(&asked) {
+    for defines in conditions::each_and_all(asked) {
         let other = Shader::parse_with(shader.file(), shader.stage(), &defines);
         for (kept, error) in kept.iter_mut().zip(found).filter(|(kept, _)| **kept) {
             let left_out = conditions::place_of(&other.shader, error.span) == Some(TokenPlace::Inactive);
@@ -286,7 +288,7 @@ const ANY_VERSION: [(u32, Profile); 3] = [(100, Profile::Es), (310, Profile::Es)
 /// Takes out what is in order in a version that suits the text no worse. Where it stands, names are not told.
 fn under_versions(shader: &Shader, found: &[Diagnostic], kept: &mut [bool], versions: &[(u32, Profile)]) {
     // What stands in front declares names and states precisions as well.
-    let of_names = |d: &Diagnostic| rests(d).contains(Around::NAMES) || d.code == errors::PRECISION;
+    let of_names = |d: &Diagnostic| rests(d).contains(Around::NAMES);
     let told = found.iter().filter(|d| !of_names(d)).count();
     if told == 0 {
         return;
@@ -398,11 +400,12 @@ pub struct Marks<'p>(HashSet<&'p str>);
 const MARKED: usize = 3;
 
 /// What the texts of a project have in common that is no GLSL.
-pub fn marks(project: &Project) -> Marks<'_> {
+pub fn repeated_marks(project: &Project) -> Marks<'_> {
     let mut lines: HashMap<&str, HashSet<&str>> = HashMap::new();
     for error in project.shaders().flat_map(|s| s.front_end.iter().chain(&s.on_request)) {
         if let Some(mark) = mark(error) {
-            lines.entry(mark).or_default().insert(line_of(error));
+            let line = error.file.position(error.span.start).line;
+            lines.entry(mark).or_default().insert(error.file.line_text(line).trim());
         }
     }
     Marks(lines.into_iter().filter(|(_, lines)| lines.len() >= MARKED).map(|(mark, _)| mark).collect())
@@ -424,11 +427,4 @@ fn mark(error: &Diagnostic) -> Option<&str> {
     let rest = error.file.text().get(error.span.start..)?.trim_start_matches([' ', '\t']);
     let first = rest.chars().next().filter(|c| !c.is_alphanumeric() && !"_;,.(){}=\r\n".contains(*c))?;
     Some(&rest[..first.len_utf8()])
-}
-
-/// The line of a text that an error stands in.
-fn line_of(error: &Diagnostic) -> &str {
-    let text = error.file.text();
-    let start = text[..error.span.start].rfind('\n').map_or(0, |at| at + 1);
-    text[start..].lines().next().unwrap_or("").trim()
 }
