@@ -2,12 +2,13 @@
 //! work of `cli`.
 
 use crate::prelude::Wanted;
+use analysis::range::Stated;
 
 /// What a project says about itself.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Config {
     /// Ranges of uniforms and inputs.
-    pub ranges: Vec<Range>,
+    pub ranges: Vec<Stated>,
     /// Programs whose stages cannot be found out from host code.
     pub programs: Vec<ProgramEntry>,
     /// Functions of the project that wrap those of OpenGL.
@@ -24,19 +25,8 @@ impl Config {
 
     /// The stated range of a variable, the first that matches.
     pub fn range_of(&self, name: &str) -> Option<(f64, f64)> {
-        self.ranges.iter().find(|r| r.name == name).map(|r| (r.min, r.max))
+        analysis::range::stated(&self.ranges, name)
     }
-}
-
-/// Values that a uniform, attribute or other input takes, in every component.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Range {
-    /// Name of the variable, members behind a point (`material.shininess`).
-    pub name: String,
-    /// Least value.
-    pub min: f64,
-    /// Greatest value.
-    pub max: f64,
 }
 
 /// Shaders that are linked together.

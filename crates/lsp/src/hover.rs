@@ -3,8 +3,8 @@
 
 use std::fmt::Write as _;
 
+use analysis::range;
 use base::text::Span;
-use lint::derived_range;
 use ls_types::{Hover, HoverContents, MarkupContent, MarkupKind};
 use syntax::ast::{ExprId, ExprKind, Qualifiers};
 use syntax::interface::{Storage, Variable};
@@ -171,8 +171,8 @@ impl Workspace {
         if !numeric || shader.file().text().len() > LONGEST_FOLLOWED || unit.errors > 0 {
             return None;
         }
-        let parts = derived_range(shader, self.config(), id)?;
-        let known = |r: &lint::Derived| r.lo.is_finite() || r.hi.is_finite();
+        let parts = range::of_expression(shader, &self.config().ranges, id)?;
+        let known = |r: &range::Derived| r.lo.is_finite() || r.hi.is_finite();
         if !parts.iter().any(known) {
             return None;
         }
@@ -185,7 +185,7 @@ impl Workspace {
                 format!("{v}")
             }
         };
-        let shown = |r: &lint::Derived| {
+        let shown = |r: &range::Derived| {
             let nan = if r.nan { " or NaN" } else { "" };
             if r.lo == r.hi { format!("{}{nan}", end(r.lo)) } else { format!("[{}, {}]{nan}", end(r.lo), end(r.hi)) }
         };

@@ -8,11 +8,12 @@ use thiserror::Error;
 use toml::de::DeTable;
 
 use crate::cli::LangName;
+use analysis::range::Stated;
 use base::nearest;
 use base::text::{Shown, SourceFile, TextError};
 use disk::Problem;
 use disk::table::{At, Reader, Table};
-use lint::{Config, ProgramEntry, Range, Selection, Wrapped, Wrapper};
+use lint::{Config, ProgramEntry, Selection, Wrapped, Wrapper};
 
 use super::LevelName;
 
@@ -193,7 +194,7 @@ fn per_file(table: Table<'_>) -> Vec<PerFilePattern> {
     patterns
 }
 
-fn range(table: Table<'_>) -> Option<Range> {
+fn range(table: Table<'_>) -> Option<Stated> {
     let table = table.only(&["name", "min", "max"]);
     let name = table.required_text("name", "name = \"shininess\"");
     for key in ["min", "max"].into_iter().filter(|key| !table.has(key)) {
@@ -204,7 +205,7 @@ fn range(table: Table<'_>) -> Option<Range> {
         let message = format!("`max` is {}, which is less than `min`, {}", max.value, min.value);
         table.reader.problem(max.offset, message);
     }
-    Some(Range { name: name?.value, min: min.value, max: max.value })
+    Some(Stated { name: name?.value, min: min.value, max: max.value })
 }
 
 fn program(table: Table<'_>) -> Option<ProgramEntry> {

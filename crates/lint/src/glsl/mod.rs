@@ -1,20 +1,13 @@
 //! Rules on shaders.
 
 mod compile;
-mod context;
-mod emission;
-mod forms;
-mod names;
 mod numeric;
-mod pixel_names;
+pub(crate) mod parted;
 mod pixel_stages;
-mod pixel_units;
-mod pixels;
 #[cfg(test)]
 mod testing;
 mod variable;
 
-pub(super) use numeric::bare;
 pub(crate) use syntax::walk;
 pub(super) use walk::has_errors;
 

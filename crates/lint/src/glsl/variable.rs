@@ -49,7 +49,7 @@ pub fn with_zero(found: Diagnostic, file: &ShaderFile, symbol: SymbolId) -> Diag
 /// The variable, with the letters of the components that a mask has when these are not all.
 pub fn part(shader: &Shader, symbol: SymbolId, mask: u64) -> String {
     let info = shader.symbol(symbol);
-    match crate::flow::letters(&info.ty, mask) {
+    match analysis::flow::letters(&info.ty, mask) {
         Some(letters) if Some(letters.len()) != info.ty.components() => format!("{}.{letters}", info.name),
         _ => info.name.clone(),
     }

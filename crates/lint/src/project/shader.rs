@@ -13,12 +13,12 @@ use super::{Input, Project, template};
 use crate::composed::Composed;
 use crate::document::{Listing, Place};
 use crate::embedded::Origin;
-use crate::flow::Flow;
 use crate::host::{Embedded, HostFile, Literal, marks};
 use crate::prelude::{self, Between, Wanted};
-use crate::range::Observed;
 use crate::rule::Level;
 use crate::{conditions, es, open, script};
+use analysis::flow::Flow;
+use analysis::range::Observed;
 
 /// Readings of one text with names defined at most.
 const MOST_VARIANTS: usize = 3;
@@ -386,7 +386,7 @@ impl ShaderFile {
 
     /// Which values the operands of its calls and operators take, under the ranges that `project` states.
     pub fn observed(&self, project: &Project) -> Arc<Observed> {
-        cached(&self.observed, || Observed::new(&self.shader, project.config()))
+        cached(&self.observed, || Observed::new(&self.shader, &project.config().ranges))
     }
 
     /// True when a host is known to put something around the text.

@@ -9,10 +9,10 @@ use syntax::types::{ScalarType, Type};
 use syntax::wgsl::{EntryPoint, Module, VariableSyntax};
 use syntax::{Shader, Stage};
 
-use super::inputs;
 use crate::host::HostFile;
 use crate::project::{Project, ShaderFile, folder, normalise};
 use crate::script::webgpu::{Pipeline, Source, StageUse, Start};
+use analysis::entry::inputs;
 
 /// The module that a host means, where all of it is seen.
 pub(super) fn module_of<'p>(

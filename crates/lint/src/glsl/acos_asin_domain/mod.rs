@@ -1,13 +1,13 @@
 //! N006: `acos` or `asin` of a number that can be beyond 1.
 
 use crate::project::{Project, ShaderFile};
-use crate::range::{Evidence, Observed, Range};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::range::{Evidence, Observed, Range};
 use base::diagnostic::{Code, Safety, Severity, message};
 use syntax::ast::ExprId;
 
-use super::forms::cosine;
-use super::numeric::{around, calls, ends};
+use super::numeric::cosine;
+use analysis::numeric::{around, calls, ends};
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -7,8 +7,8 @@ use syntax::Shader;
 use syntax::ast::{ExprId, ExprKind, UnaryOp};
 use syntax::types::ScalarType;
 
-use super::context::{Context, Contexts, integer_literal};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::context::{Context, Contexts, integer_literal};
 
 /// The rule.
 pub const RULE: Rule = Rule {

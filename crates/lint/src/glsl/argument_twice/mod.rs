@@ -6,7 +6,7 @@ use base::diagnostic::{Code, Severity, message};
 use syntax::Shader;
 use syntax::ast::{ExprId, ExprKind};
 
-use super::numeric::{bare, is_simple};
+use analysis::numeric::{bare, is_simple};
 
 /// The rule.
 pub const RULE: Rule = Rule {

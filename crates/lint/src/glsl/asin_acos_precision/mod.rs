@@ -1,12 +1,12 @@
 //! N007: `acos` and `asin` near their ends.
 
 use crate::project::{Project, ShaderFile};
-use crate::range::Visit;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::range::Visit;
 use base::diagnostic::{Code, Severity, message};
 
 use super::acos_asin_domain;
-use super::numeric::calls;
+use analysis::numeric::calls;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use crate::kernel::{Split, kernels, splits};
+use super::parted::with_condition;
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
-use crate::uniformity::{Parted, parted_barriers, with_condition};
+use analysis::kernel::{Split, kernels, splits};
+use analysis::uniformity::{Parted, parted_barriers};
 use base::diagnostic::{Code, Severity, message};
 
 /// The rule.

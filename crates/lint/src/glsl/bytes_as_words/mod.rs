@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::kernel::{Product, plain, sum};
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::kernel::{Product, plain, sum};
 use base::diagnostic::{Code, Severity, message};
 use syntax::Shader;
 use syntax::ast::{ExprId, ExprKind};
@@ -12,7 +12,7 @@ use syntax::symbols::SymbolId;
 use syntax::types::{ArraySize, ScalarType, Type};
 use syntax::wgsl::ModuleItem;
 
-use super::forms::Forms;
+use analysis::forms::Forms;
 use syntax::words::words;
 
 /// The rule.

@@ -1,14 +1,14 @@
 //! N022: a difference of nearly equal numbers that a stable form avoids.
 
 use crate::project::{Project, ShaderFile};
-use crate::range::{Observed, key};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::range::{Observed, key};
 use base::diagnostic::{Code, Message, Safety, Severity, message};
 use base::text::Edit;
 use syntax::Shader;
 use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind};
 
-use super::numeric::{bare, calls, constant, in_place, is_plain, is_simple};
+use analysis::numeric::{bare, calls, constant, in_place, is_plain, is_simple};
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -1,13 +1,13 @@
 //! N011: limits of `clamp` or edges of `smoothstep` in the wrong order.
 
 use crate::project::{Project, ShaderFile};
-use crate::range::{Observed, Range};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::range::{Observed, Range};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 use syntax::ast::ExprId;
 
-use super::numeric::{calls, in_place, is_plain};
+use analysis::numeric::{calls, in_place, is_plain};
 
 /// The rule.
 pub const RULE: Rule = Rule {

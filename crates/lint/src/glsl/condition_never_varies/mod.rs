@@ -3,16 +3,16 @@
 use std::cmp::Ordering;
 
 use crate::project::ShaderFile;
-use crate::range::key;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::range::key;
 use base::diagnostic::{Code, Severity, message};
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
 use syntax::symbols::CallTarget;
 use syntax::types::ScalarType;
 
-use super::forms::builtin;
-use super::numeric::{bare, constant};
+use analysis::forms::builtin;
+use analysis::numeric::{bare, constant};
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -8,9 +8,9 @@ use syntax::ast::{BinaryOp, ExprId, ExprKind, UnaryOp};
 use syntax::symbols::SymbolKind;
 use syntax::words::words;
 
-use super::forms::{Forms, builtin};
-use super::names;
-use super::numeric::{BuiltinCall, around, bare, calls};
+use analysis::forms::{Forms, builtin};
+use analysis::names;
+use analysis::numeric::{BuiltinCall, around, bare, calls};
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -1,7 +1,7 @@
 //! D010: an assignment without effect, or a statement that nothing reaches.
 
 use crate::project::ShaderFile;
-use crate::range::key;
+use analysis::range::key;
 use base::diagnostic::{Code, Severity, message};
 use base::text::Span;
 use syntax::Shader;

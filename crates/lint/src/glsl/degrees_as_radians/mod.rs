@@ -6,7 +6,7 @@ use base::diagnostic::{Code, Safety, Severity, message};
 use syntax::Shader;
 use syntax::ast::{ExprId, ExprKind};
 
-use super::numeric::{around, bare, calls, constant, is_literal};
+use analysis::numeric::{around, bare, calls, constant, is_literal};
 
 /// The rule.
 pub const RULE: Rule = Rule {

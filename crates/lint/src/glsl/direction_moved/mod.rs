@@ -8,9 +8,9 @@ use syntax::ast::{BinaryOp, ExprId, ExprKind, UnaryOp};
 use syntax::types::Type;
 use syntax::words::words;
 
-use super::forms::{Forms, builtin, constructed, product};
-use super::names::{self, has_word};
-use super::numeric::{bare, constant};
+use analysis::forms::{Forms, builtin, constructed, product};
+use analysis::names::{self, has_word};
+use analysis::numeric::{bare, constant};
 
 /// The rule.
 pub const RULE: Rule = Rule {

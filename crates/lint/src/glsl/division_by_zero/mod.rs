@@ -1,14 +1,14 @@
 //! N009: division by what can be zero.
 
 use crate::project::{Project, ShaderFile};
-use crate::range::{Evidence, Range};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::range::{Evidence, Range};
 use base::diagnostic::{Code, Severity, message};
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
 
-use super::forms::{Forms, builtin};
-use super::numeric::calls;
+use analysis::forms::{Forms, builtin};
+use analysis::numeric::calls;
 
 /// The rule.
 pub const RULE: Rule = Rule {

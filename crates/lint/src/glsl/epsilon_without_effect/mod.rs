@@ -8,8 +8,8 @@ use syntax::ast::{BinaryOp, ExprId, ExprKind};
 use syntax::types::ScalarType;
 
 use super::division_by_zero::divisions;
-use super::forms::Forms;
-use super::numeric::{bare, constant, number};
+use analysis::forms::Forms;
+use analysis::numeric::{bare, constant, number};
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use crate::kernel::plain;
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::kernel::plain;
 use base::diagnostic::{Code, Severity, message};
 use base::text::Span;
 use syntax::Shader;
@@ -13,10 +13,10 @@ use syntax::symbols::SymbolId;
 use syntax::types::Type;
 use syntax::words::words;
 
-use super::names::has_word;
-use super::numeric::bare;
 use super::variable::declarator;
 use super::walk::statements;
+use analysis::names::has_word;
+use analysis::numeric::bare;
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -100,7 +100,7 @@ fn is_element(shader: &Shader, id: ExprId) -> bool {
         Some(scalar) => scalar.is_floating(),
         None => *shader.type_of(id) == Type::Error,
     };
-    float && crate::wgsl::root(shader, base).is_some_and(|(symbol, _)| global(symbol))
+    float && analysis::entry::root(shader, base).is_some_and(|(symbol, _)| global(symbol))
 }
 
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {

@@ -1,14 +1,14 @@
 //! N038: a half that applies to one of two terms of a mean.
 
 use crate::project::ShaderFile;
-use crate::range::key;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::range::key;
 use base::diagnostic::{Code, Severity, message};
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
 
-use super::forms::builtin;
-use super::numeric::{bare, constant};
+use analysis::forms::builtin;
+use analysis::numeric::{bare, constant};
 
 /// The rule.
 pub const RULE: Rule = Rule {

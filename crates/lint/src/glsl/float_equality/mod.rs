@@ -1,8 +1,8 @@
 //! T013: floats that are compared for equality.
 
-use super::forms::builtin;
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::forms::builtin;
 use base::diagnostic::{Code, Severity, message};
 use syntax::Shader;
 use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind};

@@ -1,13 +1,13 @@
 //! K003: a guard that counts in other units than the rows that its variable walks along.
 
-use crate::kernel::{Bound, Product, bounds, product, sum, sums};
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::kernel::{Bound, Product, bounds, product, sum, sums};
 use base::diagnostic::{Code, Severity, message};
 use syntax::ast::{ExprId, ExprKind};
 use syntax::{Shader, Stage};
 
-use super::numeric::bare;
+use analysis::numeric::bare;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -1,14 +1,14 @@
 //! T030: two operands that are one expression.
 
 use crate::project::ShaderFile;
-use crate::range::key;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::range::key;
 use base::diagnostic::{Code, Severity, message};
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
 
-use super::forms::builtin;
-use super::numeric::bare;
+use analysis::forms::builtin;
+use analysis::numeric::bare;
 
 /// The rule.
 pub const RULE: Rule = Rule {

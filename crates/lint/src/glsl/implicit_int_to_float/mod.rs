@@ -4,8 +4,8 @@ use crate::project::ShaderFile;
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 
-use super::context::{Context, Contexts, integer_literal};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::context::{Context, Contexts, integer_literal};
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -2,16 +2,16 @@
 
 use std::collections::BTreeSet;
 
-use crate::kernel::{bounds, kernels, plain};
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::kernel::{bounds, kernels, plain};
 use base::diagnostic::{Code, Severity, message};
 use syntax::Shader;
 use syntax::ast::{Callee, ExprId, ExprKind};
 use syntax::types::{ArraySize, Type};
 
-use super::forms::Forms;
-use super::numeric::bare;
+use analysis::forms::Forms;
+use analysis::numeric::bare;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -1,8 +1,8 @@
 //! K010: invocations of a work group index shared memory past its end.
 
-use crate::kernel::{Beyond, beyond, kernels};
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::kernel::{Beyond, beyond, kernels};
 use base::diagnostic::{Code, Severity, message};
 
 /// The rule.

@@ -10,8 +10,8 @@ use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind};
 use syntax::symbols::{CallTarget, SymbolId};
 use syntax::types::ScalarType;
 
-use super::forms::{Forms, builtin};
 use super::walk::{declarators, expressions};
+use analysis::forms::{Forms, builtin};
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -6,8 +6,8 @@ use base::text::Edit;
 use syntax::Const;
 use syntax::ast::{BinaryOp, ExprKind, Literal};
 
-use super::context::Contexts;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::context::Contexts;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
-use crate::wgsl::{inputs, is_flat};
+use analysis::entry::{inputs, is_flat};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::{Edit, Span};
 use syntax::Stage;

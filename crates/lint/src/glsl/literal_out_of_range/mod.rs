@@ -1,13 +1,13 @@
 //! N015: a literal or shift outside what the type holds.
 
 use crate::project::{Project, ShaderFile};
-use crate::range::Range;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::range::Range;
 use base::diagnostic::{Code, Severity, message};
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind, Literal};
 
-use super::numeric::number;
+use analysis::numeric::number;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -7,9 +7,9 @@ use base::text::Edit;
 use syntax::ast::{BinaryOp, ExprKind};
 use syntax::words::words;
 
-use super::forms::{Forms, builtin};
-use super::names;
-use super::numeric::is_plain;
+use analysis::forms::{Forms, builtin};
+use analysis::names;
+use analysis::numeric::is_plain;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -8,8 +8,8 @@ use syntax::ast::{BinaryOp, Condition, Expr, ExprId, ExprKind, Stmt, StmtKind, U
 use syntax::symbols::SymbolId;
 use syntax::types::Type;
 
-use super::numeric::{bare, constant};
 use super::walk::statements;
+use analysis::numeric::{bare, constant};
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -6,8 +6,8 @@ use base::diagnostic::{Code, Severity, message};
 use syntax::Shader;
 use syntax::ast::{Block, ExprId, ExprKind, ItemKind, Stmt, StmtKind};
 
-use super::numeric::bare;
 use super::walk::statements;
+use analysis::numeric::bare;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -6,7 +6,7 @@ use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 use syntax::Stage;
 
-use super::emission;
+use analysis::emission;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -5,8 +5,8 @@ use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 use syntax::Stage;
 
-use super::emission;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::emission;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -13,11 +13,11 @@ use syntax::symbols::{SymbolId, SymbolKind};
 use syntax::types::Type;
 use syntax::{Const, Shader, Stage};
 
-use super::forms::builtin;
-use super::numeric::bare;
 use super::pixel_stages;
-use super::pixels::{Pixels, Unit};
 use super::walk::declarators;
+use analysis::forms::builtin;
+use analysis::numeric::bare;
+use analysis::pixels::{Pixels, Unit};
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -8,7 +8,7 @@ use syntax::precision::Precisions;
 use syntax::symbols::CallTarget;
 use syntax::{Const, Shader};
 
-use super::forms::builtin;
+use analysis::forms::builtin;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -10,9 +10,9 @@ use syntax::symbols::SymbolKind;
 use syntax::types::Type;
 use syntax::{Shader, Stage};
 
-use super::forms::Forms;
 use super::pixel_stages;
 use super::walk::expressions;
+use analysis::forms::Forms;
 
 /// The rule.
 pub const RULE: Rule = Rule {

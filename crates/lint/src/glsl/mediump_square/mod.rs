@@ -8,9 +8,9 @@ use syntax::ast::{BinaryOp, ExprId, ExprKind};
 use syntax::precision::Precisions;
 use syntax::types::Type;
 
-use super::forms::{builtin, is_square};
 use super::pixel_stages;
-use super::pixels::{Pixels, Unit};
+use analysis::forms::{builtin, is_square};
+use analysis::pixels::{Pixels, Unit};
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -11,7 +11,7 @@ use syntax::symbols::{SymbolId, SymbolKind};
 use syntax::types::Type;
 use syntax::words::words;
 
-use super::forms::{Forms, builtin};
+use analysis::forms::{Forms, builtin};
 
 /// The rule.
 pub const RULE: Rule = Rule {

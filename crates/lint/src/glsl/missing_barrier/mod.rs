@@ -1,8 +1,8 @@
 //! K001: shared memory that one invocation writes and another uses, with no barrier between.
 
-use crate::kernel::{Kind, Race, races};
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::kernel::{Kind, Race, races};
 use base::diagnostic::{Code, Severity, message};
 
 /// The rule.

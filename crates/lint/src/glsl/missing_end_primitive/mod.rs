@@ -1,14 +1,14 @@
 //! G003: strips of a loop that are never ended.
 
-use crate::flow::vertices_needed;
 use crate::project::ShaderFile;
+use analysis::flow::vertices_needed;
 use base::diagnostic::{Code, Severity, message};
 use syntax::Stage;
 use syntax::ast::StmtKind;
 
-use super::emission;
 use super::walk::statements;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::emission;
 
 /// The rule.
 pub const RULE: Rule = Rule {

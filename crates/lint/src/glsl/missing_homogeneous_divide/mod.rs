@@ -7,10 +7,10 @@ use syntax::ast::{ExprId, ExprKind};
 use syntax::symbols::{CallTarget, SymbolId, SymbolKind};
 use syntax::types::Type;
 
-use super::forms::product;
-use super::names::has_word;
-use super::numeric::{bare, constant};
 use super::walk::{declarators, expressions};
+use analysis::forms::product;
+use analysis::names::has_word;
+use analysis::numeric::{bare, constant};
 
 /// The rule.
 pub const RULE: Rule = Rule {

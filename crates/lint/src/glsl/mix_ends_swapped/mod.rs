@@ -6,7 +6,7 @@ use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 use syntax::ast::ExprKind;
 
-use super::numeric::{calls, is_plain};
+use analysis::numeric::{calls, is_plain};
 use syntax::words::words;
 
 /// The rule.

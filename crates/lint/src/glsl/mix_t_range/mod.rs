@@ -1,12 +1,12 @@
 //! N012: `mix` with a weight beyond 0 or 1.
 
 use crate::project::{Project, ShaderFile};
-use crate::range::{Evidence, Range, UNIT_SLACK};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::range::{Evidence, Range, UNIT_SLACK};
 use base::diagnostic::{Code, Safety, Severity, message};
 use syntax::types::ScalarType;
 
-use super::numeric::{around, calls, ends};
+use analysis::numeric::{around, calls, ends};
 
 /// The rule.
 pub const RULE: Rule = Rule {

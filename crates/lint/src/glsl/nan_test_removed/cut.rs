@@ -5,7 +5,7 @@ use syntax::ast::{ExprId, ExprKind};
 use syntax::symbols::CallTarget;
 use syntax::{BuiltinFunction as F, Shader};
 
-use super::super::numeric::{bare, constant};
+use analysis::numeric::{bare, constant};
 
 /// Beyond this size there are hardly any numbers.
 const HUGE: f64 = 3e38;

@@ -3,14 +3,14 @@
 mod cut;
 
 use crate::project::ShaderFile;
-use crate::range::key;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::range::key;
 use base::diagnostic::{Code, Message, Severity, message};
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind, UnaryOp};
 
-use super::forms::builtin;
-use super::numeric::bare;
+use analysis::forms::builtin;
+use analysis::numeric::bare;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -8,10 +8,10 @@ use syntax::ast::{ExprId, ExprKind};
 use syntax::types::{ScalarType, Type};
 use syntax::words::words;
 
-use super::forms::{Forms, builtin, constructed, product};
-use super::names;
-use super::numeric::{bare, constant};
 use super::walk::expressions;
+use analysis::forms::{Forms, builtin, constructed, product};
+use analysis::names;
+use analysis::numeric::{bare, constant};
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -10,10 +10,10 @@ use syntax::types::Type;
 use syntax::words::words;
 use syntax::{Shader, Stage};
 
-use super::forms::{Forms, builtin};
-use super::names;
-use super::numeric::{bare, calls};
 use super::walk::{declarators, expressions};
+use analysis::forms::{Forms, builtin};
+use analysis::names;
+use analysis::numeric::{bare, calls};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -90,7 +90,7 @@ fn unsigned(shader: &Shader, forms: &Forms<'_>, id: ExprId) -> ExprId {
 /// True for an input of a fragment shader that is not flat, and for a member of such a block.
 fn is_interpolated(shader: &Shader, id: ExprId) -> bool {
     if shader.wgsl().is_some() {
-        return crate::wgsl::is_interpolated(shader, id);
+        return analysis::entry::is_interpolated(shader, id);
     }
     let interface = shader.interface();
     let flat = |q: &syntax::ast::Qualifiers| q.interpolation().is_some_and(|(i, _)| i == Interpolation::Flat);

@@ -1,15 +1,15 @@
 //! N005: `normalize` of a vector that can be zero.
 
 use crate::project::{Project, ShaderFile};
-use crate::range::Visit;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::range::Visit;
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 use syntax::Shader;
 use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind};
 use syntax::symbols::SymbolId;
 
-use super::numeric::{bare, calls, in_place, is_plain, is_simple};
+use analysis::numeric::{bare, calls, in_place, is_plain, is_simple};
 
 /// The rule.
 pub const RULE: Rule = Rule {

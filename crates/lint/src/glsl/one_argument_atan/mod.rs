@@ -6,7 +6,7 @@ use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 use syntax::ast::{BinaryOp, ExprKind};
 
-use super::numeric::{bare, calls, constant, is_plain};
+use analysis::numeric::{bare, calls, constant, is_plain};
 
 /// The rule.
 pub const RULE: Rule = Rule {

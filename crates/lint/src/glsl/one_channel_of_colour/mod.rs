@@ -7,7 +7,7 @@ use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
 use syntax::types::{ScalarType, Type};
 
-use super::numeric::bare;
+use analysis::numeric::bare;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -20,7 +20,7 @@ pub const RULE: Rule = Rule {
 
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     let (shader, flow) = (&file.shader, file.flow());
-    let declared = |o: &&crate::flow::Output| shader.symbol(o.symbol).kind != SymbolKind::Builtin;
+    let declared = |o: &&analysis::flow::Output| shader.symbol(o.symbol).kind != SymbolKind::Builtin;
     for output in flow.outputs.iter().filter(declared).filter(|o| o.written == 0) {
         let symbol = shader.symbol(output.symbol);
         let (Some(span), name) = (symbol.span, &symbol.name) else { continue };

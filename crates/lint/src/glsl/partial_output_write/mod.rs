@@ -1,8 +1,8 @@
 //! D005: some components of an output are never written.
 
-use crate::flow;
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::flow;
 use base::diagnostic::{Code, Diagnostic, Severity, message};
 use syntax::Stage;
 use syntax::types::Type;

@@ -5,8 +5,8 @@ use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 
-use super::numeric::{bare, calls, constant, in_place, is_plain, is_simple};
 use super::pow_negative_base::{factors, hazard};
+use analysis::numeric::{bare, calls, constant, in_place, is_plain, is_simple};
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -1,14 +1,14 @@
 //! N001: `pow` of a base that can be negative.
 
 use crate::project::{Project, ShaderFile};
-use crate::range::{Evidence, Observed, Range};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::range::{Evidence, Observed, Range};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 use syntax::ast::ExprId;
 
-use super::forms::cosine;
-use super::numeric::{around, bare, calls, constant, ends, in_place, is_plain, is_simple};
+use super::numeric::cosine;
+use analysis::numeric::{around, bare, calls, constant, ends, in_place, is_plain, is_simple};
 
 /// The rule.
 pub const RULE: Rule = Rule {

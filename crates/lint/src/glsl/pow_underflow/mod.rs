@@ -1,11 +1,11 @@
 //! N003: `pow` with a large exponent flushes to zero.
 
 use crate::project::{Project, ShaderFile};
-use crate::range::{Evidence, Range, Visit};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::range::{Evidence, Range, Visit};
 use base::diagnostic::{Code, Severity, message};
 
-use super::numeric::{calls, number};
+use analysis::numeric::{calls, number};
 
 /// The rule.
 pub const RULE: Rule = Rule {

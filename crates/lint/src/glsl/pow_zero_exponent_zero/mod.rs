@@ -1,11 +1,11 @@
 //! N002: `pow` of zero with an exponent that may be zero.
 
 use crate::project::{Project, ShaderFile};
-use crate::range::{Evidence, Visit};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::range::{Evidence, Visit};
 use base::diagnostic::{Code, Safety, Severity, message};
 
-use super::numeric::{around, calls, constant};
+use analysis::numeric::{around, calls, constant};
 
 /// The rule.
 pub const RULE: Rule = Rule {

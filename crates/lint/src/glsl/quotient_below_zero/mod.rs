@@ -9,8 +9,8 @@ use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
 use syntax::types::ScalarType;
 
-use super::forms::Forms;
-use super::numeric::{bare, constant};
+use analysis::forms::Forms;
+use analysis::numeric::{bare, constant};
 
 /// The rule.
 pub const RULE: Rule = Rule {

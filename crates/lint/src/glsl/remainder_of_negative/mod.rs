@@ -1,14 +1,14 @@
 //! N030: `%` with a left operand that is negative.
 
 use crate::project::{Project, ShaderFile};
-use crate::range::{Evidence, Range};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::range::{Evidence, Range};
 use base::diagnostic::{Code, Severity, message};
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
 use syntax::types::ScalarType;
 
-use super::numeric::{bare, constant};
+use analysis::numeric::{bare, constant};
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -1,11 +1,11 @@
 //! K004: rows as long as there are workgroups, walked along by invocations.
 
-use crate::kernel::{Factor, kernels, plain, sum, sums};
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::kernel::{Factor, kernels, plain, sum, sums};
 use base::diagnostic::{Code, Severity, message};
 
-use super::forms::Forms;
+use analysis::forms::Forms;
 
 /// The rule.
 pub const RULE: Rule = Rule {

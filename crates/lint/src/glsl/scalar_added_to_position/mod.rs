@@ -7,8 +7,8 @@ use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
 use syntax::types::Type;
 
-use super::forms::{Forms, constructed, product};
-use super::numeric::{bare, constant};
+use analysis::forms::{Forms, constructed, product};
+use analysis::numeric::{bare, constant};
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -1,12 +1,12 @@
 //! N008: `sqrt`, `inversesqrt`, `log` or `log2` outside their domain.
 
 use crate::project::{Project, ShaderFile};
-use crate::range::{Evidence, Range};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::range::{Evidence, Range};
 use base::diagnostic::{Code, Safety, Severity, message};
 
-use super::forms::{Forms, is_square};
-use super::numeric::{around, bare, calls, constant, ends};
+use analysis::forms::{Forms, is_square};
+use analysis::numeric::{around, bare, calls, constant, ends};
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
 

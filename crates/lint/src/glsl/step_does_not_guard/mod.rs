@@ -10,9 +10,9 @@ use syntax::ast::{BinaryOp, ExprId, ExprKind, ItemKind};
 use syntax::symbols::{CallTarget, FunctionInfo, SymbolId};
 use syntax::types::Type;
 
-use super::forms::{Forms, builtin, constructed};
-use super::numeric::{bare, constant};
 use super::walk::expressions;
+use analysis::forms::{Forms, builtin, constructed};
+use analysis::numeric::{bare, constant};
 
 /// The rule.
 pub const RULE: Rule = Rule {

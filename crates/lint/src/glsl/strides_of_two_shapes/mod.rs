@@ -2,15 +2,15 @@
 
 use std::collections::BTreeSet;
 
-use crate::kernel::{Factor, plain, sum, sums};
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::kernel::{Factor, plain, sum, sums};
 use base::diagnostic::{Code, Severity, message};
 use syntax::ast::{Callee, ExprId, ExprKind};
 use syntax::symbols::CallTarget;
 use syntax::{Shader, Stage};
 
-use super::forms::Forms;
+use analysis::forms::Forms;
 
 /// The rule.
 pub const RULE: Rule = Rule {

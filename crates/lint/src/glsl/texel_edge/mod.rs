@@ -8,8 +8,8 @@ use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind};
 use syntax::symbols::CallTarget;
 use syntax::types::{ScalarType, Type};
 
-use super::forms::{Forms, builtin};
-use super::numeric::{bare, constant};
+use analysis::forms::{Forms, builtin};
+use analysis::numeric::{bare, constant};
 
 /// The rule.
 pub const RULE: Rule = Rule {

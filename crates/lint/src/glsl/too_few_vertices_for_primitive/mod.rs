@@ -1,8 +1,8 @@
 //! G006: a strip that has no primitive.
 
-use crate::flow::vertices_needed;
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::flow::vertices_needed;
 use base::diagnostic::{Code, Severity, message};
 
 /// The rule.

@@ -1,8 +1,8 @@
 //! K002: stores by the number of the invocation, without a guard for those that are too many.
 
-use crate::kernel::{indexed_arrays, kernels, unguarded_store};
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::kernel::{indexed_arrays, kernels, unguarded_store};
 use base::diagnostic::{Code, Severity, message};
 use syntax::types::{ArraySize, Type};
 

@@ -1,8 +1,8 @@
 //! D002: a sum that starts with no value.
 
-use crate::flow::Certainty;
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::flow::Certainty;
 use base::diagnostic::{Code, Severity, message};
 
 use super::variable::with_zero;

@@ -11,8 +11,8 @@ use syntax::symbols::{SymbolId, SymbolKind};
 use syntax::types::Type;
 use syntax::{Const, Shader, TokenPlace};
 
-use super::super::forms::Forms;
 use super::super::variable::declarator;
+use analysis::forms::Forms;
 
 /// What happens to the elements of a variable.
 #[derive(Default)]
@@ -32,7 +32,7 @@ fn elements(shader: &Shader) -> BTreeMap<SymbolId, Elements> {
             continue;
         }
         let element = forms.parent(used.expr).and_then(|parent| match shader.expr(parent).kind {
-            ExprKind::Index { base, index } if super::super::bare(shader, base) == used.expr => {
+            ExprKind::Index { base, index } if analysis::numeric::bare(shader, base) == used.expr => {
                 Some((parent, shader.fold(index).and_then(Const::as_integer)?))
             }
             _ => None,

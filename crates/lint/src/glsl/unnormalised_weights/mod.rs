@@ -8,7 +8,7 @@ use syntax::ast::{ExprId, ExprKind};
 use syntax::symbols::CallTarget;
 use syntax::types::Type;
 
-use super::numeric::{bare, calls, constant, number};
+use analysis::numeric::{bare, calls, constant, number};
 
 /// The rule.
 pub const RULE: Rule = Rule {

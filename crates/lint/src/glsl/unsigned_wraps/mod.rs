@@ -10,8 +10,8 @@ use syntax::ast::{BinaryOp, ExprId, ExprKind};
 use syntax::symbols::{CallTarget, SymbolId, SymbolKind};
 use syntax::types::ScalarType;
 
-use super::forms::builtin;
-use super::numeric::{bare, constant};
+use analysis::forms::builtin;
+use analysis::numeric::{bare, constant};
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -8,9 +8,9 @@ use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind};
 use syntax::symbols::SymbolId;
 use syntax::types::Type;
 
-use super::forms::Forms;
-use super::numeric::{bare, constant};
 use super::walk::expressions;
+use analysis::forms::Forms;
+use analysis::numeric::{bare, constant};
 
 /// The rule.
 pub const RULE: Rule = Rule {

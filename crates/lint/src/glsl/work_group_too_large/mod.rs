@@ -1,8 +1,8 @@
 //! K009: a work group of more invocations than implementations take.
 
-use crate::kernel::kernels;
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use analysis::kernel::kernels;
 use base::diagnostic::{Code, Message, Severity, message};
 use base::text::Span;
 use syntax::{Profile, Shader};

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeSet;
 
+use crate::glsl::parted::with_condition;
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
-use crate::uniformity::{Parted, parted, with_condition};
+use analysis::uniformity::{Parted, parted};
 use base::diagnostic::{Code, Severity, message};
 use syntax::wgsl::Module;
 

@@ -9,7 +9,7 @@ use syntax::symbols::CallTarget;
 use syntax::wgsl::Module;
 use syntax::{BuiltinFunction, Stage};
 
-use super::{builtin_value, inputs, root};
+use analysis::entry::{builtin_value, inputs, root};
 
 /// The rule.
 pub const RULE: Rule = Rule {

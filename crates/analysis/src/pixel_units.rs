@@ -5,12 +5,12 @@ use syntax::interface::Storage;
 use syntax::symbols::{CallTarget, SymbolId, SymbolKind};
 use syntax::types::Type;
 
-use super::forms::builtin;
-use super::names;
-use super::numeric::{bare, constant};
-use super::pixel_names::said;
-use super::pixels::Pixels;
-use super::pixels::Unit::{self, Free, Known, Unknown};
+use crate::forms::builtin;
+use crate::names;
+use crate::numeric::{bare, constant};
+use crate::pixel_names::said;
+use crate::pixels::Pixels;
+use crate::pixels::Unit::{self, Free, Known, Unknown};
 
 impl Pixels<'_> {
     /// What is known of an expression.

@@ -3,8 +3,7 @@
 use super::builtin::Call;
 use super::transfer as t;
 use super::value::{Evidence, Range, Sources, Value};
-use super::{Observed, Visit};
-use crate::config::{self, Config};
+use super::{Observed, Stated, Visit};
 use base::text::SourceFile;
 use syntax::ast::{Callee, ExprKind};
 use syntax::{Shader, Stage};
@@ -310,10 +309,10 @@ fn observed(before: &str, argument: &str, ends: &[(f64, f64)]) -> Range {
     );
     let parsed = Shader::parse(&SourceFile::new("a.frag", text.as_str()), Stage::Fragment);
     assert!(parsed.diagnostics.is_empty(), "{:#?}\n{text}", parsed.diagnostics);
-    let ranges = ends.iter().zip(NAMES).map(|(e, n)| config::Range { name: n.to_owned(), min: e.0, max: e.1 });
-    let config = Config { ranges: ranges.collect(), ..Config::default() };
+    let ranges = ends.iter().zip(NAMES).map(|(e, n)| Stated { name: n.to_owned(), min: e.0, max: e.1 });
+    let stated: Vec<Stated> = ranges.collect();
     let shader = parsed.shader;
-    let seen = Observed::new(&shader, &config);
+    let seen = Observed::new(&shader, &stated);
     let probe = shader.arena().iter().find_map(|(id, e)| match &e.kind {
         ExprKind::Call { callee: Callee::Name(name), args: _ } if name.name == "fwidth" => Some(id),
         _ => None,

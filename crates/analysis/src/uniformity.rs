@@ -3,16 +3,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use base::diagnostic::{Diagnostic, message};
 use syntax::ast::{BinaryOp, Block, Callee, Condition, ExprId, ExprKind, Stmt, StmtKind};
 use syntax::interface::Storage;
 use syntax::symbols::{CallTarget, Direction, FunctionId, SymbolId, SymbolKind};
 use syntax::wgsl::{EntryPoint, Module};
 use syntax::{Shader, Stage};
 
+use crate::entry::{builtin_value, inputs, root};
 use crate::kernel::{Kernel, Split, Splits};
-use crate::project::ShaderFile;
-use crate::wgsl::{builtin_value, inputs, root};
 
 /// Calls inside calls that are followed.
 const MOST_CALLS: usize = 12;
@@ -106,16 +104,6 @@ struct Walk<'s> {
     calls: Vec<FunctionId>,
     steps: usize,
     found: BTreeSet<Parted>,
-}
-
-/// A finding about a call, with the condition at which invocations part.
-pub fn with_condition(found: Diagnostic, file: &ShaderFile, by: ExprId) -> Diagnostic {
-    let at = file.shader.expr(by).span;
-    found.with_label(message!("not in uniform control flow", "一様でない制御フロー")).with_related(
-        &file.file,
-        at,
-        message!("not the same for all invocations", "インベケーションごとに異なる"),
-    )
 }
 
 /// The calls of an entry point that invocations may not make together, as WGSL has it.

@@ -75,17 +75,17 @@ impl<'s> Machine<'s> {
             }
             StmtKind::Break => {
                 let state = self.state.clone();
-                let (shader, config) = (self.shader, self.config);
+                let (shader, stated) = (self.shader, self.stated);
                 if let Some(jumps) = self.loops.last_mut() {
-                    meet_into(&mut jumps.breaks, state, |s| beginning(shader, config, s));
+                    meet_into(&mut jumps.breaks, state, |s| beginning(shader, stated, s));
                 }
                 self.end();
             }
             StmtKind::Continue => {
                 let state = self.state.clone();
-                let (shader, config) = (self.shader, self.config);
+                let (shader, stated) = (self.shader, self.stated);
                 if let Some(jumps) = self.loops.last_mut() {
-                    meet_into(&mut jumps.continues, state, |s| beginning(shader, config, s));
+                    meet_into(&mut jumps.continues, state, |s| beginning(shader, stated, s));
                 }
                 self.end();
             }
@@ -111,8 +111,8 @@ impl<'s> Machine<'s> {
             return;
         }
         let mut slot = Some(std::mem::take(&mut self.state));
-        let (shader, config) = (self.shader, self.config);
-        meet_into(&mut slot, jump, |s| beginning(shader, config, s));
+        let (shader, stated) = (self.shader, self.stated);
+        meet_into(&mut slot, jump, |s| beginning(shader, stated, s));
         self.state = slot.unwrap_or_default();
     }
 
@@ -122,7 +122,7 @@ impl<'s> Machine<'s> {
             return;
         }
         let state = self.state.clone();
-        let (shader, config) = (self.shader, self.config);
+        let (shader, stated) = (self.shader, self.stated);
         let Some(frame) = self.frames.last_mut() else { return };
         if let Some(value) = value {
             // Which of several values comes back depends on the way.
@@ -132,7 +132,7 @@ impl<'s> Machine<'s> {
                 None => value,
             });
         }
-        meet_into(&mut frame.returned, state, |s| beginning(shader, config, s));
+        meet_into(&mut frame.returned, state, |s| beginning(shader, stated, s));
     }
 
     /// Declares variables, in a function or at file scope.
@@ -306,8 +306,8 @@ impl<'s> Machine<'s> {
         let value = self.eval(selector);
         let on = value.sources();
         let before = self.state.clone();
-        let (shader, config) = (self.shader, self.config);
-        let begin = |s| beginning(shader, config, s);
+        let (shader, stated) = (self.shader, self.stated);
+        let begin = |s| beginning(shader, stated, s);
         self.loops.push(Jumps::default());
         let entered = State { path: before.path.and(on), ..before.clone() };
         self.state = State { dead: true, ..entered.clone() };

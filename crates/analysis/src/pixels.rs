@@ -12,11 +12,11 @@ use syntax::symbols::{CallTarget, SymbolId, SymbolKind};
 use syntax::types::{ScalarType, Type};
 use syntax::{Shader, Stage};
 
-use super::forms::builtin;
-use super::names;
-use super::numeric::{bare, constant};
-use super::pixel_names::{is_along, said};
-use super::walk::declarators;
+use crate::forms::builtin;
+use crate::names;
+use crate::numeric::{bare, constant};
+use crate::pixel_names::{is_along, said};
+use syntax::walk::declarators;
 
 /// Rounds in which what is known of one number is handed to others.
 const ROUNDS: usize = 8;
@@ -30,6 +30,7 @@ pub enum Unit {
     Free,
     /// A power of pixels, and the number of what it follows from.
     Known(i32, usize),
+    /// Nothing is known of it.
     Unknown,
 }
 
@@ -204,7 +205,7 @@ impl<'s> Pixels<'s> {
         let ExprKind::Binary { op: BinaryOp::Sub, left, right, .. } = shader.expr(bare(shader, inner)).kind else {
             return None;
         };
-        let name = super::walk::expressions(shader, left).into_iter().find_map(|part| {
+        let name = syntax::walk::expressions(shader, left).into_iter().find_map(|part| {
             let name = names::of(shader, part)?;
             (constant(shader, part).is_none() && names::has_word(name, &["width", "thickness", "radius", "half"]))
                 .then(|| name.to_owned())

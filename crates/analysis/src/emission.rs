@@ -6,7 +6,7 @@ use syntax::Shader;
 use syntax::ast::{BinaryOp, Callee, Condition, ExprId, ExprKind, Stmt, StmtKind, UnaryOp};
 use syntax::symbols::{CallTarget, SymbolId};
 
-use super::walk::expressions;
+use syntax::walk::expressions;
 
 /// Loops with more rounds than any `max_vertices` are not counted out.
 const MOST_ROUNDS: u64 = 65_536;

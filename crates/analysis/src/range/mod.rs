@@ -28,7 +28,21 @@ pub use value::{Evidence, Range, Value};
 use syntax::Shader;
 use syntax::ast::ExprId;
 
-use super::config::Config;
+/// Values that a uniform, attribute or other input takes, in every component.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stated {
+    /// Name of the variable, members behind a point (`material.shininess`).
+    pub name: String,
+    /// Least value.
+    pub min: f64,
+    /// Greatest value.
+    pub max: f64,
+}
+
+/// The stated range of a variable, the first of that name.
+pub fn stated(all: &[Stated], name: &str) -> Option<(f64, f64)> {
+    all.iter().find(|r| r.name == name).map(|r| (r.min, r.max))
+}
 
 /// The operands of a call or operator at one visit.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,8 +63,8 @@ const MOST_VISITS: usize = 12;
 impl Observed {
     /// Follows a shader from `main`, then the functions that `main` does not reach with arguments
     /// of which nothing is known.
-    pub fn new(shader: &Shader, config: &Config) -> Self {
-        let mut machine = eval::Machine::new(shader, config);
+    pub fn new(shader: &Shader, stated: &[Stated]) -> Self {
+        let mut machine = eval::Machine::new(shader, stated);
         machine.run();
         Self { visits: machine.visits }
     }
@@ -62,9 +76,9 @@ impl Observed {
 }
 
 /// The range of each component of an expression, over all ways that lead to it; none where it is never reached, or is
-/// no number. `config` states the ranges of inputs.
-pub fn of_expression(shader: &Shader, config: &Config, id: ExprId) -> Option<Vec<Derived>> {
-    let mut machine = eval::Machine::new(shader, config);
+/// no number. `stated` has the ranges of inputs.
+pub fn of_expression(shader: &Shader, stated: &[Stated], id: ExprId) -> Option<Vec<Derived>> {
+    let mut machine = eval::Machine::new(shader, stated);
     machine.watched = Some((id, None));
     machine.run();
     let (_, gave) = machine.watched?;

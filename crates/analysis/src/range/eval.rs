@@ -2,7 +2,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::config::Config;
 use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind, ItemKind, UnaryOp};
 use syntax::interface::Storage;
 use syntax::symbols::{CallTarget, Direction, FunctionId, SymbolId, SymbolKind};
@@ -17,6 +16,7 @@ use super::state::State;
 use super::transfer as t;
 use super::value::{Evidence, Range, Sources, Value};
 use super::{MOST_VISITS, Visit, bits};
+use super::{Stated, stated};
 
 /// Expressions that are looked at before the analysis gives up on the rest of a shader.
 const MOST_STEPS: usize = 400_000;
@@ -27,7 +27,7 @@ const MOST_CALLS: usize = 16;
 /// What runs a shader over intervals.
 pub struct Machine<'s> {
     pub(super) shader: &'s Shader,
-    pub(super) config: &'s Config,
+    pub(super) stated: &'s [Stated],
     pub(super) state: State,
     pub(super) keys: Keys,
     /// The functions being run.
@@ -68,10 +68,10 @@ pub struct Jumps {
 
 impl<'s> Machine<'s> {
     /// A machine before the first statement.
-    pub fn new(shader: &'s Shader, config: &'s Config) -> Self {
+    pub fn new(shader: &'s Shader, stated: &'s [Stated]) -> Self {
         Self {
             shader,
-            config,
+            stated,
             state: State::default(),
             keys: Keys::default(),
             frames: Vec::new(),
@@ -112,7 +112,7 @@ impl<'s> Machine<'s> {
 
     /// The value of a variable that was not written yet.
     pub fn beginning(&self, id: SymbolId) -> Value {
-        beginning(self.shader, self.config, id)
+        beginning(self.shader, self.stated, id)
     }
 
     /// Records the operands at a place.
@@ -268,9 +268,9 @@ impl<'s> Machine<'s> {
         self.assume(condition, false);
         let b = no(self);
         let otherwise = std::mem::take(&mut self.state);
-        let (shader, config) = (self.shader, self.config);
+        let (shader, stated) = (self.shader, self.stated);
         let on = value.sources();
-        self.state = then.meet(otherwise, before.path, on, |s| beginning(shader, config, s));
+        self.state = then.meet(otherwise, before.path, on, |s| beginning(shader, stated, s));
         if a == b { a } else { a.join(&b).depending(on) }
     }
 
@@ -318,7 +318,7 @@ impl<'s> Machine<'s> {
     fn member(&self, id: ExprId, base: &Value) -> Value {
         let ty = self.shader.type_of(id);
         if let Some((path, true)) = path(self.shader, id)
-            && let Some((lo, hi)) = self.config.range_of(&path)
+            && let Some((lo, hi)) = stated(self.stated, &path)
         {
             return within(ty, lo, hi, Evidence::Stated, Sources::of(hash(&path)));
         }
@@ -359,8 +359,8 @@ impl<'s> Machine<'s> {
                 self.assume(left, op == BinaryOp::And);
                 let b = self.eval(right);
                 let then = std::mem::take(&mut self.state);
-                let (shader, config, path) = (self.shader, self.config, before.path);
-                self.state = then.meet(before, path, a.sources(), |s| beginning(shader, config, s));
+                let (shader, stated, path) = (self.shader, self.stated, before.path);
+                self.state = then.meet(before, path, a.sources(), |s| beginning(shader, stated, s));
                 b
             }
             _ => self.eval(right),

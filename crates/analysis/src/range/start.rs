@@ -1,6 +1,5 @@
-//! Values that variables begin with, and the names by which the configuration knows them.
+//! Values that variables begin with, and the names by which ranges are stated for them.
 
-use crate::config::Config;
 use syntax::ast::{ExprId, ExprKind};
 use syntax::interface::Storage;
 use syntax::symbols::{Symbol, SymbolId, SymbolKind};
@@ -8,10 +7,10 @@ use syntax::types::{ScalarType, Type};
 use syntax::{Const, Shader};
 
 use super::value::{Evidence, Range, Sources, Value};
-use super::{builtin, operator};
+use super::{Stated, builtin, operator};
 
 /// The value of a variable that was not written yet.
-pub fn beginning(shader: &Shader, config: &Config, id: SymbolId) -> Value {
+pub fn beginning(shader: &Shader, stated: &[Stated], id: SymbolId) -> Value {
     let symbol: &Symbol = shader.symbol(id);
     let sources = Sources::of(id.index());
     if let Some(v) = symbol.value.and_then(Const::as_f64) {
@@ -40,7 +39,7 @@ pub fn beginning(shader: &Shader, config: &Config, id: SymbolId) -> Value {
         | SymbolKind::Param(_)
         | SymbolKind::Local => false,
     };
-    match config.range_of(&symbol.name).filter(|_| from_outside) {
+    match super::stated(stated, &symbol.name).filter(|_| from_outside) {
         Some((lo, hi)) => within(&symbol.ty, lo, hi, Evidence::Stated, sources),
         None => unknown_of(&symbol.ty, sources),
     }

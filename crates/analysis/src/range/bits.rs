@@ -39,7 +39,7 @@ fn bits(shader: &Shader, id: ExprId) -> Option<u32> {
 
 /// True for `0x3f800000 | (n & 0x007fffff)` and `0x3f800000 | (n >> 9)`, also as a sum.
 fn is_mantissa_of_one(shader: &Shader, id: ExprId) -> bool {
-    let bare = |id: ExprId| crate::glsl::bare(shader, id);
+    let bare = |id: ExprId| crate::numeric::bare(shader, id);
     let ExprKind::Binary { op: BinaryOp::BitOr | BinaryOp::Add, op_span: _, left, right } = shader.expr(bare(id)).kind
     else {
         return false;

@@ -7,8 +7,8 @@ use syntax::ast::{BinaryOp, Declarator, ExprId, ExprKind};
 use syntax::symbols::{CallTarget, SymbolId};
 
 use super::Kernel;
-use crate::glsl::walk;
-use crate::wgsl::root;
+use crate::entry::root;
+use syntax::walk;
 
 /// The first store whose index follows from the number of the invocation, where nothing limits that number.
 pub fn unguarded_store(shader: &Shader, kernel: &Kernel) -> Option<ExprId> {

@@ -2,15 +2,13 @@
 
 use std::collections::{BTreeSet, HashMap};
 
-use crate::range::{Observed, Range};
-use crate::rule::Level;
 use syntax::Shader;
 use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind};
 use syntax::symbols::{CallTarget, SymbolId};
 use syntax::types::Type;
 
-use super::numeric::{BuiltinCall, bare, constant};
-use super::walk::initial_values;
+use crate::numeric::{bare, constant};
+use syntax::walk::initial_values;
 
 /// Variables that are followed to what they are declared as, one in the other.
 const MOST_NAMES: usize = 4;
@@ -151,20 +149,4 @@ pub fn is_square(shader: &Shader, id: ExprId) -> bool {
             _ => false,
         },
     }
-}
-
-/// The range of the first argument of a call where nothing is known of a scalar product that it is, of two different
-/// vectors: what is meant as a cosine can be negative, and beyond 1 where the vectors are longer.
-pub fn cosine<'s>(
-    shader: &'s Shader,
-    observed: &Observed,
-    call: &BuiltinCall<'s>,
-    forms: &mut Option<Forms<'s>>,
-) -> Option<(Level, Range)> {
-    let mut ranges = observed.visits(call.id).iter().filter_map(|v| v.operands.first()).flat_map(|v| &v.parts);
-    let range = ranges.find(|r| r.lo == f64::NEG_INFINITY && r.hi == f64::INFINITY)?;
-    let forms = forms.get_or_insert_with(|| Forms::new(shader));
-    let (_, args) = builtin(shader, forms.value(*call.args.first()?), &["dot"])?;
-    let [a, b] = args else { return None };
-    (shader.text_of(*a) != shader.text_of(*b)).then_some((Level::Strict, *range))
 }

@@ -4,7 +4,7 @@ use syntax::Shader;
 use syntax::ast::{ExprId, ExprKind};
 use syntax::words::words;
 
-use super::numeric::bare;
+use crate::numeric::bare;
 
 /// True when a word of the name begins with one of these.
 pub fn has_word(name: &str, wanted: &[&str]) -> bool {
@@ -33,7 +33,7 @@ pub fn is_direction(name: &str) -> bool {
 pub fn of(shader: &Shader, id: ExprId) -> Option<&str> {
     match &shader.expr(bare(shader, id)).kind {
         ExprKind::Name(name) => Some(name),
-        ExprKind::Field { base, field } if super::forms::is_member(shader, *base) => Some(&field.name),
+        ExprKind::Field { base, field } if crate::forms::is_member(shader, *base) => Some(&field.name),
         ExprKind::Field { base, field: _ } | ExprKind::Index { base, index: _ } => of(shader, *base),
         _ => None,
     }

@@ -24,7 +24,7 @@ use syntax::ast::{Block, ExprId};
 use syntax::symbols::{FunctionId, SymbolId};
 use syntax::{Shader, Stage};
 
-use crate::wgsl;
+use crate::entry;
 
 /// Invocations of a work group that are followed.
 const MOST_LANES: u32 = 1024;
@@ -53,7 +53,7 @@ impl Kernel {
         use syntax::ast::ExprKind;
         let ExprKind::Field { base, field } = &shader.expr(id).kind else { return None };
         let axis = ["x", "y", "z"].iter().position(|axis| *axis == field.name)?;
-        let (symbol, members) = wgsl::root(shader, *base)?;
+        let (symbol, members) = entry::root(shader, *base)?;
         let is = |(own, member, name): &(SymbolId, Option<String>, String)| {
             *own == symbol && member.as_deref() == members.first().copied() && name == wgsl
         };
@@ -67,9 +67,9 @@ pub fn kernels(shader: &Shader) -> Vec<Kernel> {
         let compute = module.entry_points.iter().filter(|e| e.stage == Stage::Compute);
         return compute
             .map(|entry| {
-                let inputs = wgsl::inputs(shader, module, entry.item);
+                let inputs = entry::inputs(shader, module, entry.item);
                 let inputs = inputs.iter().filter_map(|i| {
-                    let name = wgsl::builtin_value(shader, i.attributes)?;
+                    let name = entry::builtin_value(shader, i.attributes)?;
                     Some((i.param, i.member.map(str::to_owned), name.to_owned()))
                 });
                 Kernel { function: entry.function, size: entry.workgroup, inputs: inputs.collect() }

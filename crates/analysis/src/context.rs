@@ -7,7 +7,7 @@ use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind, ItemKind, Literal, StmtKin
 use syntax::symbols::CallTarget;
 use syntax::types::Type;
 
-use super::walk::{declarators, statements};
+use syntax::walk::{declarators, statements};
 
 /// How an integer becomes a float.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

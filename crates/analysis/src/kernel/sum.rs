@@ -5,7 +5,7 @@ use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind, UnaryOp};
 use syntax::symbols::{CallTarget, SymbolId};
 use syntax::types::Type;
 
-use crate::glsl::bare;
+use crate::numeric::bare;
 
 /// A factor of a product.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -68,7 +68,7 @@ pub fn plain(shader: &Shader, id: ExprId) -> ExprId {
 fn constant(shader: &Shader, id: ExprId) -> Option<f64> {
     let number = shader.fold(id)?.as_f64()?;
     // Specialisation constants and `override` have a value that does not count.
-    let fixed = crate::glsl::walk::expressions(shader, id).into_iter().all(|part| match &shader.expr(part).kind {
+    let fixed = syntax::walk::expressions(shader, id).into_iter().all(|part| match &shader.expr(part).kind {
         ExprKind::Name(_) => shader.symbol_of(part).is_some_and(|s| shader.symbol(s).value.is_some()),
         _ => true,
     });

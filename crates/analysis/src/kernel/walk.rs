@@ -258,7 +258,7 @@ impl<'s> Walk<'s> {
         let shader = self.shader;
         // `if (a && b)` is `if (a) { if (b) …`: what is known of one of them stays known.
         if let (ExprKind::Binary { op: BinaryOp::And, op_span: _, left, right }, None) =
-            (&shader.expr(crate::glsl::bare(shader, condition)).kind, otherwise)
+            (&shader.expr(crate::numeric::bare(shader, condition)).kind, otherwise)
         {
             let (left, right) = (*left, *right);
             return self.split(left, |walk| walk.branch(right, then, None), |_| {});

@@ -5,7 +5,7 @@ use syntax::Shader;
 use syntax::ast::{BinaryOp, Block, ExprId, ExprKind, ItemKind, Stmt, StmtKind};
 
 use super::sum::{Factor, Product, product};
-use crate::glsl::bare;
+use crate::numeric::bare;
 
 /// A variable that is less than a product in a part of the text.
 #[derive(Clone, Debug)]
