@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use anyhow::Context as _;
 
 use base::text::{Shown, SourceFile};
-use lint::{Language, Printed, language_of, printed_shaders};
+use hosts::document::{Printed, printed_shaders};
+use hosts::{Language, language_of};
 
 /// The shaders that a path means; none when it names a file that is one shader.
 ///

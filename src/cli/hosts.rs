@@ -7,7 +7,7 @@ use std::sync::Arc;
 use base::text::SourceFile;
 use disk::{Budget, hosts_around};
 use engine::fuzz::{Offer, macro_name};
-use lint::HostMacros;
+use hosts::defined::HostMacros;
 
 /// Words of which a file that builds shaders says at least one.
 const TELLING: [&str; 8] = ["shader", "Shader", "SHADER", "glsl", "GLSL", "wgsl", "spv", "SPIR"];
@@ -58,7 +58,7 @@ impl Hosts {
         }
         let telling = |file: &SourceFile| TELLING.iter().any(|word| file.text().contains(word));
         let file = self.budget.read(path).filter(telling);
-        let host = file.map(|file| Host { macros: lint::host_macros(&file), file });
+        let host = file.map(|file| Host { macros: hosts::defined::host_macros(&file), file });
         let host = host.filter(|host| !host.macros.macros.is_empty()).map(Arc::new);
         self.read.insert(path.to_owned(), host.clone());
         host
@@ -69,7 +69,7 @@ impl Hosts {
 fn is_host(path: &Path) -> bool {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let ending = name.rsplit_once('.').map_or("", |(_, ending)| ending);
-    let code = lint::HOST_EXTENSIONS.iter().chain(lint::SCRIPT_EXTENSIONS).any(|known| *known == ending);
-    let commands = lint::COMMAND_EXTENSIONS.iter().any(|known| *known == ending && ending != "txt");
-    code || commands || lint::COMMAND_FILES.contains(&name.as_str())
+    let code = hosts::HOST_EXTENSIONS.iter().chain(hosts::script::SCRIPT_EXTENSIONS).any(|known| *known == ending);
+    let commands = hosts::defined::COMMAND_EXTENSIONS.iter().any(|known| *known == ending && ending != "txt");
+    code || commands || hosts::defined::COMMAND_FILES.contains(&name.as_str())
 }

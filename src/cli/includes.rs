@@ -62,7 +62,7 @@ pub fn with_includes(file: &SourceFile, path: &Path, given: &Given<'_>) -> anyho
         name: file.name().to_owned(),
         given: file.name().to_owned(),
         path: path.to_owned(),
-        stage: lint::stage_of(file).unwrap_or(Stage::Library),
+        stage: hosts::stage_of(file).unwrap_or(Stage::Library),
         printed: false,
         file: whole,
         includes,
@@ -84,10 +84,10 @@ pub fn read_all(path: &Path, given: &Given<'_>, stage: Option<Stage>) -> anyhow:
         return Ok(vec![read(path, given)?]);
     }
     let Some(printed) = super::document::shaders(path)? else { return Ok(vec![read(path, given)?]) };
-    let text = |shader: lint::Printed| {
+    let text = |shader: hosts::document::Printed| {
         let (name, path) = (shader.file.name().to_owned(), path.to_owned());
         // The name of a shader in host code is no path: its line leads to it.
-        let is_file = lint::language_of(&path.to_string_lossy()).is_some();
+        let is_file = hosts::language_of(&path.to_string_lossy()).is_some();
         let called = if is_file { format!("{}:{}", path.shown(), shader.lines.start() + 1) } else { name.clone() };
         let whole = with_includes(&shader.file, &path, given)?;
         Ok(IncludedText { name, given: called, path, stage: shader.stage, printed: true, ..whole })
@@ -113,7 +113,7 @@ impl IncludedText {
             return parsed;
         }
         // A text that asks for OpenGL ES is for phones and browsers.
-        if let Some(es) = lint::es_reading(&parsed.shader) {
+        if let Some(es) = reading::es::reading(&parsed.shader) {
             return es;
         }
         let fitted = syntax::fitting(&self.file, self.stage, defines, || None);
@@ -123,7 +123,7 @@ impl IncludedText {
     /// What to tell of the version that is taken for a text which names none: a compute shader, or one that asks for OpenGL ES.
     fn assumed_version(&self, defines: &[(String, String)]) -> Option<String> {
         let plain = Shader::parse_with(&self.file, self.stage, defines).shader;
-        if let Some(es) = lint::es_reading(&plain) {
+        if let Some(es) = reading::es::reading(&plain) {
             let names: Vec<String> = es.shader.defines().iter().map(|(name, _)| format!("`{name}`")).collect();
             let names = names.join(", ");
             return Some(format!(
@@ -146,7 +146,7 @@ impl IncludedText {
     /// As of [`with_includes`], and where a file of several shaders does not hold this one any more.
     pub fn changed(&self, file: &SourceFile, given: &Given<'_>) -> anyhow::Result<Self> {
         if self.printed {
-            let all = lint::printed_shaders(file).into_iter();
+            let all = hosts::document::printed_shaders(file).into_iter();
             let same = all.map(|shader| shader.file).find(|shader| shader.name() == self.name);
             let same = same.ok_or_else(|| anyhow::anyhow!("`{}` is not there any more", self.name))?;
             return Ok(Self { stage: self.stage, ..with_includes(&same, &self.path, given)? });
@@ -156,8 +156,8 @@ impl IncludedText {
 
     /// The same between the texts that its host puts around it.
     #[must_use]
-    pub fn with_prelude(self, wanted: lint::WantedPrelude) -> Self {
-        let (file, stage) = lint::behind_prelude(&self.file, self.stage, wanted);
+    pub fn with_prelude(self, wanted: reading::prelude::Wanted) -> Self {
+        let (file, stage) = reading::prelude::behind(&self.file, self.stage, wanted);
         Self { file, stage, ..self }
     }
 

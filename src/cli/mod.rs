@@ -64,9 +64,9 @@ pub mod worker;
 
 use std::io::{IsTerminal, Write};
 
-use ::lint::WantedPrelude;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
+use reading::prelude::Wanted as WantedPrelude;
 use syntax::Stage;
 
 use base::diagnostic::Lang;
@@ -131,7 +131,7 @@ impl StageName {
 
 /// Names for `--prelude`.
 fn preludes() -> PossibleValuesParser {
-    let named = ::lint::PRELUDES.iter().map(|p| PossibleValue::new(p.name).help(p.title()));
+    let named = reading::prelude::PRELUDES.iter().map(|p| PossibleValue::new(p.name).help(p.title()));
     PossibleValuesParser::new(named.chain([PossibleValue::new("none").help("Nothing, whatever a text looks like")]))
 }
 

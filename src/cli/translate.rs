@@ -119,7 +119,7 @@ fn report(source: &IncludedText, found: Vec<Diagnostic>, err: &mut dyn Write) ->
 
 /// The program of a text in GLSL; none where diagnostics say what is wrong with it.
 fn of_glsl(args: &TranslateArgs, source: IncludedText, err: &mut dyn Write) -> anyhow::Result<Option<Program>> {
-    if args.stage.is_none() && lint::stage_of(&source.file).is_none() {
+    if args.stage.is_none() && hosts::stage_of(&source.file).is_none() {
         anyhow::bail!(
             "{}: the extension does not tell the stage; name it with --stage, or use .vert, .frag, .geom, .comp, or .glsl \
              for a function library",

@@ -14,7 +14,7 @@ fn shaders(folder: &Path, found: &mut Vec<(SourceFile, Stage)>) {
             shaders(&path, found);
         } else if let Ok(text) = std::fs::read_to_string(&path) {
             let file = SourceFile::new(path.to_string_lossy(), text);
-            if let Some(stage) = lint::stage_of(&file) {
+            if let Some(stage) = hosts::stage_of(&file) {
                 found.push((file, stage));
             }
         }

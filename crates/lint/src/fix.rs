@@ -5,14 +5,15 @@ use std::collections::BTreeSet;
 use base::diagnostic::{Diagnostic, Safety};
 use base::text::{EditList, SourceFile};
 
-use super::host::Embedded;
-use super::host::{HostFile, Literal};
-use super::project::{Input, Language, language_of};
 use super::registry::{RULES, with_name};
 use super::rule::Rule;
-use super::script::Script;
-use super::sections::sections;
 use super::{Settings, run_rules};
+use hosts::Embedded;
+use hosts::script::Script;
+use hosts::sections::sections;
+use hosts::{HostFile, Literal};
+use hosts::{Language, language_of};
+use reading::Input;
 use syntax::Stage;
 
 /// Rounds after which the engine gives up: fixes that undo each other would go on for ever.
@@ -203,12 +204,12 @@ fn faults(name: &str, text: &str) -> usize {
             Script::read(&file).shaders.into_iter().map(faults).sum()
         }
         None => {
-            let read = crate::document::Document::read(&file).unwrap_or_default();
-            let shader = |l: &crate::document::Listing| {
+            let read = hosts::document::Document::read(&file).unwrap_or_default();
+            let shader = |l: &hosts::document::Listing| {
                 let text = SourceFile::new(l.name.as_str(), l.literal.text.as_str());
                 syntax::Shader::parse(&text, l.stage).diagnostics.len()
             };
-            let host = |l: &crate::document::Listing| {
+            let host = |l: &hosts::document::Listing| {
                 HostFile::new(&SourceFile::new(l.name.as_str(), l.literal.text.as_str()), true).error_count()
             };
             read.shaders.iter().map(shader).sum::<usize>().saturating_add(read.hosts.iter().map(host).sum())

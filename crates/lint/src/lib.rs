@@ -4,47 +4,23 @@
 //! drawing messages is the work of `cli` and `report`.
 
 pub mod baseline;
-mod composed;
-mod conditions;
-mod config;
-mod defined;
-mod dialect;
-mod document;
-mod embedded;
-mod es;
 pub mod fix;
 mod glsl;
 mod host;
-mod linked;
-mod open;
 mod page;
-mod prelude;
 mod program;
-mod project;
 mod registry;
 mod rule;
-mod script;
-mod sections;
 mod select;
 mod suppress;
 #[cfg(test)]
 mod tests;
-mod variants;
 mod wgsl;
 
-pub use composed::{Composed, Composer};
-pub use config::{Config, ProgramEntry, Wrapped, Wrapper};
-pub use defined::{COMMAND_EXTENSIONS, COMMAND_FILES, HostMacro, HostMacros, host_macros};
-pub use document::{DOCUMENT_EXTENSIONS, Printed, is_document, printed_shaders};
-pub use es::reading as es_reading;
-pub use host::stage_of_file;
-pub use linked::{HostName, Linked, linked};
 pub use page::{Example, Pages};
-pub use prelude::{PRELUDES, Prelude, Wanted as WantedPrelude, behind as behind_prelude};
-pub use project::{HOST_EXTENSIONS, Input, Language, SHADER_EXTENSIONS, companions, language_of, stage_of};
+pub use reading::{Config, Input, Level};
 pub use registry::{RULES, by_code, nearest, with_name};
-pub use rule::{Level, Rule};
-pub use script::SCRIPT_EXTENSIONS;
+pub use rule::Rule;
 pub use select::{PerFile, SelectError, Selection};
 
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -54,7 +30,8 @@ use base::diagnostic::{Code, Diagnostic, Fix, Severity};
 use base::text::{SourceFile, Span};
 use rayon::prelude::*;
 
-use project::{Project, ShaderFile};
+use reading::{Project, ShaderFile};
+use reading::{composed, open, relocate, variants};
 use suppress::Suppressions;
 use syntax::errors::{self, Around};
 
@@ -169,8 +146,8 @@ fn run_rules_until(
     }
     let partial: BTreeSet<&str> =
         project.shaders().filter(|s| s.partial && s.place.is_some()).map(|s| s.file.name()).collect();
-    all.retain(|(_, d)| !partial.contains(d.file.name()) || document::holds_anywhere(d.code));
-    embedded::relocate(&project, all.iter_mut().map(|(_, d)| d));
+    all.retain(|(_, d)| !partial.contains(d.file.name()) || open::holds_anywhere(d.code));
+    relocate::relocate(&project, all.iter_mut().map(|(_, d)| d));
     all.retain(|(level, d)| settings.keeps(d.file.name(), d.code.0, *level));
     let mut found: Vec<Diagnostic> = all.into_iter().map(|(_, d)| d).collect();
     let mut suppressions = Suppressions::of(&project, rules);

@@ -8,11 +8,12 @@ use rayon::prelude::*;
 use base::diagnostic::{Code, Diagnostic, Message, Severity};
 use base::text::{SourceFile, Span};
 
-use super::host::HostFile;
 pub use super::page::Pages;
-use super::program::Program;
-use super::project::{Project, ShaderFile};
 use super::suppress::Suppressions;
+use hosts::HostFile;
+pub use reading::Level;
+use reading::program::Program;
+use reading::{Project, ShaderFile};
 use syntax::wgsl::Module;
 
 /// Rules on numbers that are lost as a whole at lower precision.
@@ -35,18 +36,6 @@ pub struct Rule {
     pub pages: Pages,
     /// What the check looks at, and its function.
     pub(super) check: Check,
-}
-
-/// How much is asked of a text. Each level has the rules of those before it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Level {
-    /// What is wrong or wasteful for certain: silent on code that compiles and works.
-    #[default]
-    Default,
-    /// What is often a mistake, and sometimes meant.
-    Strict,
-    /// Guesses by names and habits.
-    Heuristic,
 }
 
 /// What a rule looks at.

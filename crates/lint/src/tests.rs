@@ -1,5 +1,19 @@
 //! The listings as printed, and the laws that hold for every fix.
 
+mod conditions;
+mod document;
+mod embedded;
+mod feed;
+mod kept;
+mod languages;
+mod open;
+mod prelude;
+mod program;
+mod script;
+mod sections;
+mod variants;
+mod webgpu;
+
 use super::fix::{Outcome, fix, fix_with};
 use super::page::tests::NO_PAGES;
 use super::rule::{Check, Findings, Level, Rule};

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use base::diagnostic::{Diagnostic, Lang, Safety};
 use base::text::{Edit, Position, SourceFile, Span};
-use lint::{Language, language_of};
+use hosts::{Language, language_of};
 use ls_types::{CodeAction, CodeActionKind, Diagnostic as Shown, TextEdit, Uri, WorkspaceEdit};
 
 use crate::encoding::Encoding;

@@ -48,7 +48,7 @@ impl Workspace {
     }
 
     /// Names of the variables of a program.
-    fn names_for(&self, host: &lint::HostName) -> Vec<CompletionItem> {
+    fn names_for(&self, host: &reading::HostName) -> Vec<CompletionItem> {
         let mut items: Vec<CompletionItem> = Vec::new();
         let units = self.units().iter().filter(|u| host.shaders.is_empty() || host.shaders.contains(&u.name));
         for unit in units {

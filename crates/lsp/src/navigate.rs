@@ -4,8 +4,8 @@ use std::collections::{BTreeSet, HashSet};
 use std::sync::Arc;
 
 use base::text::{SourceFile, Span};
-use lint::HostName;
 use ls_types::{DocumentHighlight, DocumentHighlightKind, Location};
+use reading::HostName;
 use syntax::Stage;
 use syntax::interface::Storage;
 use syntax::symbols::SymbolKind;

@@ -4,7 +4,9 @@ use std::collections::{BTreeSet, HashMap};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use base::text::{SourceFile, Span};
-use lint::{Input, Language, language_of, printed_shaders, stage_of};
+use hosts::document::printed_shaders;
+use hosts::{Language, language_of, stage_of};
+use lint::Input;
 use syntax::include::{Wanted, resolve};
 use syntax::{Parsed, Shader, Stage};
 
@@ -127,7 +129,7 @@ fn texts(input: &Input, find: &mut dyn FnMut(&Wanted) -> Option<SourceFile>) -> 
         _ => {
             let printed = printed_shaders(file).into_iter();
             let from = BTreeSet::from([name]);
-            let text = |p: lint::Printed| Text {
+            let text = |p: hosts::document::Printed| Text {
                 name: p.file.name().to_owned(),
                 file: p.file,
                 from: from.clone(),

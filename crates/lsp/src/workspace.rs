@@ -4,8 +4,9 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::{Arc, OnceLock};
 
 use base::text::{SourceFile, Span};
-use lint::{Config, Input, Linked, linked};
+use lint::{Config, Input};
 use rayon::prelude::*;
+use reading::{Linked, linked};
 use syntax::include::Wanted;
 
 use crate::encoding::Encoding;

@@ -13,7 +13,9 @@ use base::nearest;
 use base::text::{Shown, SourceFile, TextError};
 use disk::Problem;
 use disk::table::{At, Reader, Table};
-use lint::{Config, ProgramEntry, Selection, Wrapped, Wrapper};
+use hosts::{Wrapped, Wrapper};
+use lint::{Config, Selection};
+use reading::ProgramEntry;
 
 use super::LevelName;
 

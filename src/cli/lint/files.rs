@@ -12,11 +12,12 @@ use thiserror::Error;
 
 use base::text::{Decoded, Encoding, Form, Shown, SourceFile, TextError, decode_western};
 use disk::{MOST_BYTES, read_source};
+use hosts::document::{DOCUMENT_EXTENSIONS, is_document};
+use hosts::script::SCRIPT_EXTENSIONS;
+use hosts::{HOST_EXTENSIONS, Language, SHADER_EXTENSIONS, language_of};
+use lint::Input;
 use lint::fix::FixedFile;
-use lint::{
-    DOCUMENT_EXTENSIONS, HOST_EXTENSIONS, Input, Language, SCRIPT_EXTENSIONS, SHADER_EXTENSIONS, companions,
-    is_document, language_of,
-};
+use reading::companions;
 use syntax::Stage;
 
 use super::modules;

@@ -7,7 +7,9 @@ use base::diagnostic::Diagnostic;
 use base::text::SourceFile;
 use compose::{Options, features, from_draft};
 use disk::Modules;
-use lint::{Composed, Composer, Language, Level, language_of};
+use hosts::{Language, language_of};
+use lint::Level;
+use reading::{Composed, Composer};
 use syntax::errors::EARLY_DRAFT;
 use syntax::include;
 

@@ -4,9 +4,10 @@
 use base::diagnostic::{Lang, message};
 use base::text::SourceFile;
 use base::value::{Batch, Record, Scalar, ulp_distance};
+use hosts::{Language, language_of};
 use lanes::{Actual, LaneError, embedded};
+use lint::Config;
 use lint::fix::FixedFile;
-use lint::{Config, Language, language_of};
 use program::lower::Target;
 use program::{Kernel, Program, ProgramError};
 use property::Stream;

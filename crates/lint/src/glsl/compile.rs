@@ -1,8 +1,8 @@
 //! What the rules about compile errors share: the expression that an error is about, and text around it.
 
-use crate::project::ShaderFile;
 use base::diagnostic::{Diagnostic, Message};
 use base::text::Span;
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{ExprId, ExprKind};
 use syntax::symbols::{SymbolId, SymbolKind};

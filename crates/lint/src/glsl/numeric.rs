@@ -5,7 +5,7 @@ use analysis::numeric::BuiltinCall;
 use analysis::range::{Observed, Range};
 use syntax::Shader;
 
-use crate::rule::Level;
+use crate::Level;
 
 /// The range of the first argument of a call where nothing is known of a scalar product that it is, of two different
 /// vectors: what is meant as a cosine can be negative, and beyond 1 where the vectors are longer.

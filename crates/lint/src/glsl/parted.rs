@@ -3,7 +3,7 @@
 use base::diagnostic::{Diagnostic, message};
 use syntax::ast::ExprId;
 
-use crate::project::ShaderFile;
+use reading::ShaderFile;
 
 /// A finding about a call, with the condition at which invocations part.
 pub fn with_condition(found: Diagnostic, file: &ShaderFile, by: ExprId) -> Diagnostic {

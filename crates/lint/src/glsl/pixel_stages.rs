@@ -1,7 +1,7 @@
 //! Numbers of pixels that one stage of a program hands on to the next.
 
-use crate::project::{Project, ShaderFile};
 use analysis::pixels::{HandedOn, Pixels};
+use reading::{Project, ShaderFile};
 use syntax::Stage;
 
 /// Powers of what the vertex stage of the same program hands on to a fragment stage, by name.

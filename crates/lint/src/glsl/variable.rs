@@ -1,9 +1,9 @@
 //! What rules on variables share.
 
-use crate::project::ShaderFile;
 use base::diagnostic::Safety;
 use base::diagnostic::{Diagnostic, message};
 use base::text::Edit;
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::Declarator;
 use syntax::symbols::{SymbolId, SymbolKind};

@@ -1,15 +1,16 @@
 //! Calls that give an attribute its array, where the attribute is known.
 
-use crate::program::Program;
-use crate::project::{Project, ShaderFile};
 use base::text::Span;
+use reading::program::Program;
+use reading::{Project, ShaderFile};
 use syntax::interface::Variable;
 
-use super::HostFile;
-use super::index::Index;
-use super::lookup::LookupKind;
-use super::program::{ProgramSource, resolve, whole};
-use super::syntax::{arguments, bare, callee, plain_string, span};
+use hosts::HostFile;
+use hosts::cpp::index::Index;
+use hosts::cpp::lookup::LookupKind;
+use hosts::cpp::program::{ProgramSource, whole};
+use hosts::cpp::tree::{arguments, bare, callee, plain_string, span};
+use reading::program::resolve;
 
 /// One such call.
 pub struct Pointer<'a> {

@@ -1,8 +1,8 @@
 //! Look-alikes of the host rules that are right, and planted faults in other shapes than the examples.
 
-use crate::config::{Wrapped, Wrapper};
 use crate::{Config, Input, Level, Selection, Settings, run_with};
 use base::text::SourceFile;
+use hosts::{Wrapped, Wrapper};
 
 const VERTEX: &str = "#version 330 core\nlayout(location = 0) in vec3 position;\nlayout(location = 1) in uvec2 id;\n\
                       uniform mat4 mc;\nuniform mat3 normals[2];\nuniform bool flip;\n\

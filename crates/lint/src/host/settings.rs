@@ -1,16 +1,16 @@
 //! Calls that set a uniform whose type is known.
 
-use crate::program::Program;
-use crate::project::{Project, ShaderFile};
 use base::text::Span;
+use reading::program::Program;
+use reading::{Project, ShaderFile};
 use syntax::interface::Variable;
 use syntax::types::Type;
 
-use super::HostFile;
-use super::feeds::User;
-use super::lookup::{Lookup, LookupKind};
-use super::program::resolve;
-use super::setter::{Setter, member};
+use hosts::HostFile;
+use hosts::cpp::feeds::User;
+use hosts::cpp::lookup::{Lookup, LookupKind};
+use hosts::setter::{Setter, member};
+use reading::program::resolve;
 
 /// One such call.
 pub struct Setting<'a> {

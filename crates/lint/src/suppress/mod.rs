@@ -13,10 +13,10 @@ pub(super) mod unused_suppression;
 use base::diagnostic::Diagnostic;
 use base::text::{SourceFile, Span};
 
-use super::embedded::Origin;
-use super::host::{HostFile, comments};
-use super::project::{Project, ShaderFile};
 use super::rule::Rule;
+use hosts::Origin;
+use hosts::{HostFile, comments};
+use reading::{Project, ShaderFile};
 use syntax::Shader;
 
 pub(super) use parse::{Cause, Fault};

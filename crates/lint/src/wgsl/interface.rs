@@ -9,10 +9,11 @@ use syntax::types::{ScalarType, Type};
 use syntax::wgsl::{EntryPoint, Module, VariableSyntax};
 use syntax::{Shader, Stage};
 
-use crate::host::HostFile;
-use crate::project::{Project, ShaderFile, folder, normalise};
-use crate::script::webgpu::{Pipeline, Source, StageUse, Start};
 use analysis::entry::inputs;
+use hosts::HostFile;
+use hosts::paths::{folder, normalise};
+use hosts::script::webgpu::{Pipeline, Source, StageUse, Start};
+use reading::{Project, ShaderFile};
 
 /// The module that a host means, where all of it is seen.
 pub(super) fn module_of<'p>(

@@ -1,9 +1,9 @@
 //! N006: `acos` or `asin` of a number that can be beyond 1.
 
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::range::{Evidence, Observed, Range};
 use base::diagnostic::{Code, Safety, Severity, message};
+use reading::{Project, ShaderFile};
 use syntax::ast::ExprId;
 
 use super::numeric::cosine;

@@ -1,8 +1,8 @@
 //! T017: integers as arguments of built-in functions of floats.
 
-use crate::project::ShaderFile;
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{ExprId, ExprKind, UnaryOp};
 use syntax::types::ScalarType;

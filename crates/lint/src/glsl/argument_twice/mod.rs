@@ -1,8 +1,8 @@
 //! T032: an argument that stands twice where a numbered one is left out.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{ExprId, ExprKind};
 

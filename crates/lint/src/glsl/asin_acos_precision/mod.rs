@@ -1,9 +1,9 @@
 //! N007: `acos` and `asin` near their ends.
 
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::range::Visit;
 use base::diagnostic::{Code, Severity, message};
+use reading::{Project, ShaderFile};
 
 use super::acos_asin_domain;
 use analysis::numeric::calls;

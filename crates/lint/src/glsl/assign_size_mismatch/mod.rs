@@ -1,9 +1,9 @@
 //! T003: a vector or scalar is assigned to one of another size.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 use syntax::types::{ScalarType, Type};
 
 use super::compile::{destination, expression_at, fourth};

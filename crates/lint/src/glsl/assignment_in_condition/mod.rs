@@ -1,8 +1,8 @@
 //! T014: an assignment where a condition is tested.
 
-use crate::project::ShaderFile;
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 use syntax::ast::{Condition, ExprId, ExprKind, StmtKind};
 
 use super::walk::statements;

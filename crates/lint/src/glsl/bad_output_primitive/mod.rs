@@ -1,9 +1,9 @@
 //! G009: an input primitive stands where an output primitive is needed.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -3,11 +3,11 @@
 use std::collections::BTreeSet;
 
 use super::parted::with_condition;
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::kernel::{Split, kernels, splits};
 use analysis::uniformity::{Parted, parted_barriers};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::kernel::{Product, plain, sum};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{ExprId, ExprKind};
 use syntax::symbols::SymbolId;

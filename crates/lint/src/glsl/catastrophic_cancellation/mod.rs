@@ -1,10 +1,10 @@
 //! N022: a difference of nearly equal numbers that a stable form avoids.
 
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::range::{Observed, key};
 use base::diagnostic::{Code, Message, Safety, Severity, message};
 use base::text::Edit;
+use reading::{Project, ShaderFile};
 use syntax::Shader;
 use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind};
 

@@ -1,10 +1,10 @@
 //! N011: limits of `clamp` or edges of `smoothstep` in the wrong order.
 
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::range::{Observed, Range};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use reading::{Project, ShaderFile};
 use syntax::ast::ExprId;
 
 use analysis::numeric::{calls, in_place, is_plain};

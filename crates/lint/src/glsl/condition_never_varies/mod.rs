@@ -2,10 +2,10 @@
 
 use std::cmp::Ordering;
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::range::key;
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
 use syntax::symbols::CallTarget;

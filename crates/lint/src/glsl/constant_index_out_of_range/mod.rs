@@ -1,8 +1,8 @@
 //! T016: a constant index that no element has.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Severity};
+use reading::ShaderFile;
 
 /// The rule.
 pub const RULE: Rule = Rule {

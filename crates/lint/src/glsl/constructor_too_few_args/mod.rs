@@ -1,9 +1,9 @@
 //! T002: a constructor gets fewer components than its type has.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 use syntax::ast::{Callee, ExprKind};
 use syntax::types::{ScalarType, Type};
 use syntax::{Constructor, Fit};

@@ -1,9 +1,9 @@
 //! T001: a constructor gets more components than its type has.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::{Edit, Span};
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{Callee, ExprId, ExprKind};
 use syntax::symbols::CallTarget;

@@ -1,8 +1,8 @@
 //! N017: the cosine at a light that is a factor of a colour, also where the surface faces away.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind, UnaryOp};
 use syntax::symbols::SymbolKind;

@@ -1,9 +1,9 @@
 //! D022: a loop within another that shifts by the counter of the outer one, and does not use its own.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 use base::text::Span;
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind, Stmt, StmtKind};
 use syntax::symbols::SymbolId;

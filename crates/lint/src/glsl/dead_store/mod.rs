@@ -1,9 +1,9 @@
 //! D010: an assignment without effect, or a statement that nothing reaches.
 
-use crate::project::ShaderFile;
 use analysis::range::key;
 use base::diagnostic::{Code, Severity, message};
 use base::text::Span;
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{ExprId, ExprKind, ItemKind, Stmt, StmtKind};
 use syntax::symbols::{CallTarget, SymbolKind};

@@ -1,9 +1,9 @@
 //! V003: words that the core profile has replaced.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 use syntax::{Profile, Stage, TokenPlace};
 
 /// The rule.

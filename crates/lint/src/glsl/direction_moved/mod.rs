@@ -1,8 +1,8 @@
 //! N028: a direction that a matrix moves, because its `w` is 1.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind, UnaryOp};
 use syntax::types::Type;

@@ -1,9 +1,9 @@
 //! N009: division by what can be zero.
 
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::range::{Evidence, Range};
 use base::diagnostic::{Code, Severity, message};
+use reading::{Project, ShaderFile};
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
 

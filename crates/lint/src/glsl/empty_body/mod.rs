@@ -1,8 +1,8 @@
 //! T015: a `;` right behind `if` or the head of a loop.
 
-use crate::project::ShaderFile;
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::{Edit, Span};
+use reading::ShaderFile;
 use syntax::ast::{ItemKind, Stmt, StmtKind};
 
 use super::walk::statements;

@@ -1,9 +1,9 @@
 //! V010: something that only an extension brings, or an extension that does not exist.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 
 use super::compile::{behind_directives, explained};
 

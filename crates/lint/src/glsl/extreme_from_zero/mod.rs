@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::kernel::plain;
 use base::diagnostic::{Code, Severity, message};
 use base::text::Span;
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{Callee, ExprId, ExprKind, Literal, StmtKind};
 use syntax::symbols::SymbolId;

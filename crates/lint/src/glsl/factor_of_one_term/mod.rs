@@ -1,9 +1,9 @@
 //! N038: a half that applies to one of two terms of a mean.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::range::key;
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
 

@@ -1,9 +1,9 @@
 //! V002: something that came with a later version.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::{Edit, Span};
+use reading::ShaderFile;
 use syntax::Profile;
 
 use super::compile::explained;

@@ -1,9 +1,9 @@
 //! T013: floats that are compared for equality.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::forms::builtin;
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind};
 

@@ -1,9 +1,9 @@
 //! T007: a suffix that the version of the language does not have.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::{Edit, Span};
+use reading::ShaderFile;
 use syntax::{Profile, TokenKind, TokenPlace};
 
 /// The rule.

@@ -1,9 +1,9 @@
 //! T012: `%` on floating-point operands.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::{Edit, Span};
+use reading::ShaderFile;
 use syntax::ast::{BinaryOp, ExprKind};
 
 use super::compile::explained;

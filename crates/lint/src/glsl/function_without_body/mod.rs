@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::{Project, ShaderFile};
 use syntax::Stage;
 use syntax::symbols::{CallTarget, FunctionInfo};
 

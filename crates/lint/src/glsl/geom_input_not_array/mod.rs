@@ -1,9 +1,9 @@
 //! G007: an input of a geometry shader that is no array.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 use syntax::ast::ExprKind;
 
 /// The rule.

@@ -1,9 +1,9 @@
 //! K003: a guard that counts in other units than the rows that its variable walks along.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::kernel::{Bound, Product, bounds, product, sum, sums};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::ast::{ExprId, ExprKind};
 use syntax::{Shader, Stage};
 

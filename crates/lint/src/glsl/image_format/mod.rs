@@ -1,9 +1,9 @@
 //! T019: an image without a format, or a format where no image is.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 use base::text::Span;
+use reading::ShaderFile;
 use syntax::Profile;
 use syntax::ast::{QualifierKind, Qualifiers};
 use syntax::interface::Variable;

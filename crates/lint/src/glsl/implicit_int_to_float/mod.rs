@@ -1,8 +1,8 @@
 //! T006: an integer literal where a float is wanted.
 
-use crate::project::ShaderFile;
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::context::{Context, Contexts, integer_literal};

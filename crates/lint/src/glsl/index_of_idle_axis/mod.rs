@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::kernel::{bounds, kernels, plain};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{Callee, ExprId, ExprKind};
 use syntax::types::{ArraySize, Type};

@@ -1,9 +1,9 @@
 //! K010: invocations of a work group index shared memory past its end.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::kernel::{Beyond, beyond, kernels};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -1,8 +1,8 @@
 //! T005: a division of integer literals whose fraction is lost.
 
-use crate::project::ShaderFile;
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 use syntax::Const;
 use syntax::ast::{BinaryOp, ExprKind, Literal};
 

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::entry::{inputs, is_flat};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::{Edit, Span};
+use reading::ShaderFile;
 use syntax::Stage;
 use syntax::ast::{Interpolation, Qualifiers};
 use syntax::interface::Storage;

@@ -1,7 +1,7 @@
 //! P001: a matrix that the host could invert once.
 
-use crate::project::ShaderFile;
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{Callee, ExprId, ExprKind};
 use syntax::interface::Storage;

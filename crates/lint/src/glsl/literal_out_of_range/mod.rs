@@ -1,9 +1,9 @@
 //! N015: a literal or shift outside what the type holds.
 
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::range::Range;
 use base::diagnostic::{Code, Severity, message};
+use reading::{Project, ShaderFile};
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind, Literal};
 

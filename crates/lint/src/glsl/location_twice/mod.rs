@@ -1,8 +1,8 @@
 //! I010: two variables of a stage at one location.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::interface::{Storage, Variable};
 use syntax::types::{ArraySize, ScalarType, Type};
 use syntax::{Const, Shader, Stage};

@@ -1,9 +1,9 @@
 //! N027: a logarithm that is divided by the base instead of its logarithm.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 use syntax::ast::{BinaryOp, ExprKind};
 use syntax::words::words;
 

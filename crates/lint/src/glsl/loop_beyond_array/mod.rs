@@ -1,8 +1,8 @@
 //! N031: a loop that indexes an array outside its elements.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{BinaryOp, Condition, Expr, ExprId, ExprKind, Stmt, StmtKind, UnaryOp};
 use syntax::symbols::SymbolId;

@@ -1,8 +1,8 @@
 //! D019: a swap that loses one of the values.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{Block, ExprId, ExprKind, ItemKind, Stmt, StmtKind};
 

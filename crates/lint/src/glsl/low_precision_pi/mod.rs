@@ -2,10 +2,10 @@
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Message, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 use syntax::{TokenKind, TokenPlace};
 
 /// The rule.

@@ -1,9 +1,9 @@
 //! T004: the sizes of a matrix product do not fit.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 use syntax::ast::ExprKind;
 use syntax::types::Type;
 

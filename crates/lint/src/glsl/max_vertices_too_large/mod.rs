@@ -1,9 +1,9 @@
 //! G002: more vertices declared than a geometry stage can emit.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 use syntax::Stage;
 
 use analysis::emission;

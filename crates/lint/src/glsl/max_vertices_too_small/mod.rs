@@ -1,8 +1,8 @@
 //! G001: a geometry stage emits more vertices than it declares.
 
-use crate::project::ShaderFile;
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 use syntax::Stage;
 
 use crate::rule::{Check, Findings, Level, Pages, Rule};

@@ -1,9 +1,9 @@
 //! D015: a variable may be read before it has a value, if conditions do not belong together.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::flow::Certainty;
 use base::diagnostic::{Code, Severity};
+use reading::ShaderFile;
 
 use super::uninitialised_read::diagnostic;
 

@@ -1,7 +1,7 @@
 //! N041: a whole part, fraction or remainder of a number that has no such digits at `mediump`.
 
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use reading::{Project, ShaderFile};
 use std::collections::HashMap;
 
 use base::diagnostic::{Code, Message, Severity, message};

@@ -1,8 +1,8 @@
 //! N040: a small number that keeps a divisor from 0, and is 0 itself at `mediump`.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
 use syntax::precision::Precisions;
 use syntax::symbols::CallTarget;

@@ -1,8 +1,8 @@
 //! N045: a position that has 11 bits: that of a vertex, or numbers of pixels that one stage hands on to the next.
 
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::{Project, ShaderFile};
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
 use syntax::interface::Storage;
 use syntax::precision::{Precisions, is_lower};

@@ -1,8 +1,8 @@
 //! N043: the square of a number of pixels, which is larger than numbers of `mediump` are.
 
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Message, Severity, message};
+use reading::{Project, ShaderFile};
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
 use syntax::precision::Precisions;

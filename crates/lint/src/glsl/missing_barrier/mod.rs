@@ -1,9 +1,9 @@
 //! K001: shared memory that one invocation writes and another uses, with no barrier between.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::kernel::{Kind, Race, races};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -1,8 +1,8 @@
 //! G003: strips of a loop that are never ended.
 
-use crate::project::ShaderFile;
 use analysis::flow::vertices_needed;
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::Stage;
 use syntax::ast::StmtKind;
 

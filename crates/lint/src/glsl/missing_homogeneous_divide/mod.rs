@@ -1,8 +1,8 @@
 //! N019: homogeneous coordinates used without care for `w`.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::ast::{ExprId, ExprKind};
 use syntax::symbols::{CallTarget, SymbolId, SymbolKind};
 use syntax::types::Type;

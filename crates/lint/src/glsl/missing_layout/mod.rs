@@ -1,9 +1,9 @@
 //! G008: a geometry shader without the layout of its input or output.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 
 use super::compile::behind_directives;
 

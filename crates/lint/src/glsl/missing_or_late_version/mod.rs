@@ -1,9 +1,9 @@
 //! V001: `#version` is not the first thing in the text.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::{Edit, Span};
+use reading::ShaderFile;
 
 /// The rule.
 pub const RULE: Rule = Rule {

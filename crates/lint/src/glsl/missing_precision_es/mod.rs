@@ -1,9 +1,9 @@
 //! V009: a `float` of a fragment shader of GLSL ES without a precision.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 
 use super::compile::behind_directives;
 

@@ -1,8 +1,8 @@
 //! D008: a function that returns a value can end without one.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::ast::{Condition, Stmt, StmtKind};
 use syntax::is_macro;
 use syntax::symbols::FunctionInfo;

@@ -1,9 +1,9 @@
 //! V012: a name that is nearly one of the language's own macros, which no compiler defines.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 use syntax::TokenKind;
 
 /// The rule.

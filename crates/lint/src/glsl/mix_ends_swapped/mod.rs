@@ -1,9 +1,9 @@
 //! N033: `mix` from the second of two numbered ends to the first.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 use syntax::ast::ExprKind;
 
 use analysis::numeric::{calls, is_plain};

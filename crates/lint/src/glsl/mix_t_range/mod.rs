@@ -1,9 +1,9 @@
 //! N012: `mix` with a weight beyond 0 or 1.
 
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::range::{Evidence, Range, UNIT_SLACK};
 use base::diagnostic::{Code, Safety, Severity, message};
+use reading::{Project, ShaderFile};
 use syntax::types::ScalarType;
 
 use analysis::numeric::{around, calls, ends};

@@ -1,7 +1,7 @@
 //! G004: a geometry stage emits nothing.
 
-use crate::project::ShaderFile;
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 
 use super::output_never_written::stores;
 use crate::rule::{Check, Findings, Level, Pages, Rule};

@@ -1,8 +1,8 @@
 //! V007: a built-in noise function is called.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::ast::{Callee, ExprKind};
 use syntax::symbols::CallTarget;
 

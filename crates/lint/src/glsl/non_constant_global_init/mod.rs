@@ -1,9 +1,9 @@
 //! V006: a global variable gets a value that is not constant.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::{Edit, Span};
+use reading::ShaderFile;
 use syntax::Profile;
 use syntax::interface::Storage;
 use syntax::symbols::{CallTarget, SymbolKind};

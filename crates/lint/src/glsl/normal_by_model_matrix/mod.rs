@@ -1,8 +1,8 @@
 //! N020: a normal that the model matrix transforms.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{ExprId, ExprKind};
 use syntax::types::{ScalarType, Type};

@@ -1,8 +1,8 @@
 //! N016: a normal whose length is not 1 in a formula that asks for a direction.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Message, Severity, message};
+use reading::ShaderFile;
 use syntax::ast::{ExprId, ExprKind, Interpolation, UnaryOp};
 use syntax::interface::Storage;
 use syntax::symbols::SymbolKind;

@@ -1,10 +1,10 @@
 //! N005: `normalize` of a vector that can be zero.
 
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::range::Visit;
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use reading::{Project, ShaderFile};
 use syntax::Shader;
 use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind};
 use syntax::symbols::SymbolId;

@@ -1,9 +1,9 @@
 //! N010: `atan` of a quotient.
 
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use reading::{Project, ShaderFile};
 use syntax::ast::{BinaryOp, ExprKind};
 
 use analysis::numeric::{bare, calls, constant, is_plain};

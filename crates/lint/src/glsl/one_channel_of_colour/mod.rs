@@ -1,8 +1,8 @@
 //! T033: a colour that is multiplied by one channel of its texture.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
 use syntax::types::{ScalarType, Type};

@@ -1,8 +1,8 @@
 //! D003: an output that nothing writes.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::interface::Storage;
 use syntax::symbols::SymbolKind;
 use syntax::types::{OpaqueKind, Type};

@@ -1,8 +1,8 @@
 //! G005: an output is emitted again without being set again.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -1,8 +1,8 @@
 //! D004: an output is written on some paths only.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::Stage;
 
 use super::variable::part;

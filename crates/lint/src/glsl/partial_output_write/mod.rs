@@ -1,9 +1,9 @@
 //! D005: some components of an output are never written.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::flow;
 use base::diagnostic::{Code, Diagnostic, Severity, message};
+use reading::ShaderFile;
 use syntax::Stage;
 use syntax::types::Type;
 

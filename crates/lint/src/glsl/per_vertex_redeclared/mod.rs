@@ -1,8 +1,8 @@
 //! V011: `gl_PerVertex` is declared where the version has no such declaration.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::Profile;
 
 /// The rule.

@@ -1,8 +1,8 @@
 //! G010: a vertex is emitted before its position is set.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::interface::OutputPrimitive;
 
 /// The rule.

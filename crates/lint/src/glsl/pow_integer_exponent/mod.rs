@@ -1,9 +1,9 @@
 //! N004: `pow` with a small whole exponent.
 
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use reading::{Project, ShaderFile};
 
 use super::pow_negative_base::{factors, hazard};
 use analysis::numeric::{bare, calls, constant, in_place, is_plain, is_simple};

@@ -1,10 +1,10 @@
 //! N001: `pow` of a base that can be negative.
 
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::range::{Evidence, Observed, Range};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use reading::{Project, ShaderFile};
 use syntax::ast::ExprId;
 
 use super::numeric::cosine;

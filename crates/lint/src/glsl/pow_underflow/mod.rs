@@ -1,9 +1,9 @@
 //! N003: `pow` with a large exponent flushes to zero.
 
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::range::{Evidence, Range, Visit};
 use base::diagnostic::{Code, Severity, message};
+use reading::{Project, ShaderFile};
 
 use analysis::numeric::{calls, number};
 

@@ -1,9 +1,9 @@
 //! N002: `pow` of zero with an exponent that may be zero.
 
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::range::{Evidence, Visit};
 use base::diagnostic::{Code, Safety, Severity, message};
+use reading::{Project, ShaderFile};
 
 use analysis::numeric::{around, calls, constant};
 

@@ -1,9 +1,9 @@
 //! V004: a name that the language keeps for itself.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 
 use super::compile::{fresh, is_private};
 

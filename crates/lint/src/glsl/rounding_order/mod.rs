@@ -2,10 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Message, Safety, Severity, message};
 use base::text::{Edit, Span};
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{Declaration, ItemKind, StmtKind, TypeKind};
 use syntax::precision::Precisions;

@@ -1,9 +1,9 @@
 //! K004: rows as long as there are workgroups, walked along by invocations.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::kernel::{Factor, kernels, plain, sum, sums};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 
 use analysis::forms::Forms;
 

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 use base::text::Span;
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{BinaryOp, Expr, ExprId, ExprKind, StmtKind};
 use syntax::symbols::SymbolId;

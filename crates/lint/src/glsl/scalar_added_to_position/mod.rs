@@ -1,8 +1,8 @@
 //! N025: a number that is added to all components of a position, `w` among them.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
 use syntax::types::Type;

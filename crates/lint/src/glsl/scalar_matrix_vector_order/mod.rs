@@ -1,9 +1,9 @@
 //! P003: a scalar that is multiplied into a matrix before a vector.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
 use syntax::types::Type;
 

@@ -1,9 +1,9 @@
 //! T008: a scalar is swizzled.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::{Edit, Span};
+use reading::ShaderFile;
 use syntax::ast::ExprKind;
 
 /// The rule.

@@ -1,9 +1,9 @@
 //! D011: a declaration that hides another one.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 use base::text::Span;
+use reading::ShaderFile;
 use syntax::ast::{Block, Condition, Declaration, Function, ItemKind, Stmt, StmtKind};
 
 /// The rule.

@@ -1,9 +1,9 @@
 //! V005: a variable or function has the name of a built-in function.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 use syntax::{Shader, is_builtin_function};
 
 use super::compile::{fresh, is_private};

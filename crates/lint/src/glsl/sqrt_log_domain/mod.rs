@@ -1,9 +1,9 @@
 //! N008: `sqrt`, `inversesqrt`, `log` or `log2` outside their domain.
 
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::range::{Evidence, Range};
 use base::diagnostic::{Code, Safety, Severity, message};
+use reading::{Project, ShaderFile};
 
 use analysis::forms::{Forms, is_square};
 use analysis::numeric::{around, bare, calls, constant, ends};

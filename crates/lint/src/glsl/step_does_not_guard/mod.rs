@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind, ItemKind};
 use syntax::symbols::{CallTarget, FunctionInfo, SymbolId};

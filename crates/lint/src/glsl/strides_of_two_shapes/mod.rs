@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::kernel::{Factor, plain, sum, sums};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::ast::{Callee, ExprId, ExprKind};
 use syntax::symbols::CallTarget;
 use syntax::{Shader, Stage};

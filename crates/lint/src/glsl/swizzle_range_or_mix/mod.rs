@@ -1,8 +1,8 @@
 //! T009: a swizzle names components that are not there, or mixes sets of names.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Severity, message};
+use reading::ShaderFile;
 
 use super::compile::explained;
 

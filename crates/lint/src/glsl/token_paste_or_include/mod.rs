@@ -1,8 +1,8 @@
 //! V008: `##` or `#include`, which not every compiler has.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::TokenPlace;
 
 /// The rule.

@@ -1,9 +1,9 @@
 //! G006: a strip that has no primitive.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::flow::vertices_needed;
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 
 /// The rule.
 pub const RULE: Rule = Rule {

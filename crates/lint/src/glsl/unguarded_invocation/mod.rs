@@ -1,9 +1,9 @@
 //! K002: stores by the number of the invocation, without a guard for those that are too many.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::kernel::{indexed_arrays, kernels, unguarded_store};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::types::{ArraySize, Type};
 
 /// The rule.

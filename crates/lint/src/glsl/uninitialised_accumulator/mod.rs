@@ -1,9 +1,9 @@
 //! D002: a sum that starts with no value.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::flow::Certainty;
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 
 use super::variable::with_zero;
 

@@ -1,8 +1,8 @@
 //! `for (uint i; i < n; i++)`: the counter of a loop that begins with no value, whatever the host puts around the text.
 
-use crate::project::ShaderFile;
 use crate::rule::Findings;
 use base::diagnostic::message;
+use reading::ShaderFile;
 use syntax::ast::{Condition, StmtKind};
 use syntax::symbols::SymbolId;
 

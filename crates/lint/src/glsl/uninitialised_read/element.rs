@@ -3,9 +3,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::project::ShaderFile;
 use crate::rule::Findings;
 use base::diagnostic::message;
+use reading::ShaderFile;
 use syntax::ast::{ExprId, ExprKind};
 use syntax::symbols::{SymbolId, SymbolKind};
 use syntax::types::Type;

@@ -1,9 +1,9 @@
 //! D001: a variable is read before it has a value.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::flow::{Certainty, Unassigned};
 use base::diagnostic::{Code, Diagnostic, Severity, message};
+use reading::ShaderFile;
 
 use super::variable::{part, with_zero};
 

@@ -1,8 +1,8 @@
 //! N018: constant weights whose sum is nearly 1.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{ExprId, ExprKind};
 use syntax::symbols::CallTarget;

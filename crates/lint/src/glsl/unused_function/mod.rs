@@ -1,8 +1,8 @@
 //! D017: a function or structure that nothing uses.
 
-use crate::project::ShaderFile;
 use base::diagnostic::{Code, Severity, message};
 use base::text::Span;
+use reading::ShaderFile;
 use syntax::ast::{ItemKind, TypeKind};
 use syntax::symbols::CallTarget;
 use syntax::{Stage, TokenKind};

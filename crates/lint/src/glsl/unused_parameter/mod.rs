@@ -1,7 +1,7 @@
 //! D016: a parameter that its function does not use.
 
-use crate::project::ShaderFile;
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 
 use super::unused_variable::hidden_words;
 use crate::rule::{Check, Findings, Level, Pages, Rule};

@@ -1,7 +1,7 @@
 //! D007: a uniform or an input that nothing uses.
 
-use crate::project::ShaderFile;
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::Stage;
 
 use super::unused_variable::hidden_words;

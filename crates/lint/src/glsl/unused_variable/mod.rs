@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use crate::project::ShaderFile;
 use base::diagnostic::{Code, Severity, message};
 use base::text::Span;
+use reading::ShaderFile;
 use syntax::ast::StmtKind;
 use syntax::symbols::{Access, SymbolKind};
 use syntax::{Token, TokenKind, TokenPlace};

@@ -1,7 +1,7 @@
 //! D018: a value for the next stage is written on some paths only.
 
-use crate::project::ShaderFile;
 use base::diagnostic::{Code, Severity};
+use reading::ShaderFile;
 use syntax::Stage;
 
 use super::output_written_on_some_paths::report;

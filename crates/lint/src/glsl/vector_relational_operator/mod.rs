@@ -1,9 +1,9 @@
 //! T010: `<` and the like on vectors.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::{Edit, Span};
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind};
 use syntax::types::{ScalarType, Type};

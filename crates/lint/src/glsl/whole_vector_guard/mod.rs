@@ -1,8 +1,8 @@
 //! N029: a guard against 0 that looks at all components together, before a division of each.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind};
 use syntax::symbols::SymbolId;

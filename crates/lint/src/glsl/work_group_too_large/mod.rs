@@ -1,10 +1,10 @@
 //! K009: a work group of more invocations than implementations take.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::kernel::kernels;
 use base::diagnostic::{Code, Message, Severity, message};
 use base::text::Span;
+use reading::ShaderFile;
 use syntax::{Profile, Shader};
 
 /// The rule.

@@ -1,9 +1,9 @@
 //! T018: something is written that can only be read.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 use syntax::interface::Storage;
 use syntax::symbols::SymbolKind;
 use syntax::types::Type;

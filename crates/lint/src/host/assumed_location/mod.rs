@@ -1,14 +1,15 @@
 //! H015: a location that nothing fixes.
 
-use super::HostFile;
-use super::index::Index;
-use super::program::{ProgramSource, resolve, whole};
-use super::setter::Setter;
-use super::suggest::{list, list_in_japanese};
-use super::syntax::{arguments, bare, callee, span};
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use hosts::HostFile;
+use hosts::cpp::index::Index;
+use hosts::cpp::program::{ProgramSource, whole};
+use hosts::cpp::tree::{arguments, bare, callee, span};
+use hosts::setter::Setter;
+use hosts::suggest::{list, list_in_japanese};
+use reading::Project;
+use reading::program::resolve;
 
 /// The rule.
 pub const RULE: Rule = Rule {

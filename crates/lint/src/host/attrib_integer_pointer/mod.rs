@@ -1,11 +1,11 @@
 //! H008: integer attributes and pointers of floats.
 
-use super::HostFile;
 use super::attributes::attributes;
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::{Edit, Span};
+use hosts::HostFile;
+use reading::Project;
 use syntax::types::ScalarType;
 
 /// The rule.

@@ -1,13 +1,13 @@
 //! H007: more components than the attribute has.
 
 use super::attributes::attributes;
-use super::lookup::LookupKind;
-use super::program::resolve;
-use super::{HostFile, ShaderRef};
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 use base::text::Span;
+use hosts::cpp::lookup::LookupKind;
+use hosts::{HostFile, ShaderRef};
+use reading::program::resolve;
+use reading::{Project, ShaderFile};
 use syntax::Stage;
 use syntax::interface::Variable;
 use syntax::types::Type;

@@ -1,11 +1,11 @@
 //! H009: a stride smaller than one element.
 
-use super::HostFile;
-use super::syntax::{arguments, callee, descendants, span};
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use hosts::HostFile;
+use hosts::cpp::tree::{arguments, callee, descendants, span};
+use reading::Project;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -1,11 +1,11 @@
 //! H033: an attribute that no host code gives its values.
 
-use super::HostFile;
 use super::attributes::attributes;
-use super::program::ShaderRef;
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use hosts::HostFile;
+use hosts::cpp::program::ShaderRef;
+use reading::{Project, ShaderFile};
 use syntax::interface::Variable;
 use syntax::types::ScalarType;
 use syntax::{Const, Stage};

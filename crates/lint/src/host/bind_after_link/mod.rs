@@ -1,14 +1,14 @@
 //! H014: a binding after the program was linked.
 
-use super::HostFile;
-use super::index::Index;
-use super::index::within;
-use super::program::is_call;
-use super::syntax::{arguments, bare, enclosing_function, span};
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::{Edit, Span};
+use hosts::HostFile;
+use hosts::cpp::index::Index;
+use hosts::cpp::index::within;
+use hosts::cpp::program::is_call;
+use hosts::cpp::tree::{arguments, bare, enclosing_function, span};
+use reading::Project;
 use tree_sitter::Node;
 
 /// The rule.
@@ -53,7 +53,7 @@ fn check(host: &HostFile, _: &Project, findings: &mut Findings<'_>) {
         // A function that gets the program may link it.
         let passed = index.calls.iter().any(|c| {
             let later = c.start_byte() > place.start && within(function, *c);
-            let open = super::syntax::callee(*c, &host.file).is_none_or(|(name, _)| !name.starts_with("gl"));
+            let open = hosts::cpp::tree::callee(*c, &host.file).is_none_or(|(name, _)| !name.starts_with("gl"));
             later && open && arguments(*c).iter().any(|a| host.text(bare(*a)) == program)
         });
         if link_block != block || link_place.end > place.start || written || passed {

@@ -1,12 +1,13 @@
 //! H023: a draw mode that the geometry shader does not take.
 
-use super::HostFile;
-use super::index::Index;
-use super::program::{ProgramSource, is_call, resolve, whole};
-use super::syntax::{arguments, bare, callee, span};
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use hosts::HostFile;
+use hosts::cpp::index::Index;
+use hosts::cpp::program::{ProgramSource, is_call, whole};
+use hosts::cpp::tree::{arguments, bare, callee, span};
+use reading::Project;
+use reading::program::resolve;
 use syntax::Stage;
 use syntax::interface::InputPrimitive;
 

@@ -4,13 +4,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use tree_sitter::Node;
 
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use reading::Project;
 
-use super::HostFile;
-use super::syntax::{
+use hosts::HostFile;
+use hosts::cpp::tree::{
     ancestors, arguments, bare, callee, declared_name, descendants, enclosing_function, quoted_includes, span, wrapped,
 };
 

@@ -1,11 +1,11 @@
 //! H032: a constant that is no truth value where one is asked for.
 
-use super::HostFile;
-use super::syntax::{arguments, bare, callee, descendants, span};
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use hosts::HostFile;
+use hosts::cpp::tree::{arguments, bare, callee, descendants, span};
+use reading::Project;
 
 /// The rule.
 pub const RULE: Rule = Rule {

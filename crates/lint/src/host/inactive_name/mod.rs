@@ -1,13 +1,13 @@
 //! H005: a name that the shaders do not use.
 
-use super::HostFile;
-use super::lookup::LookupKind;
-use super::program::resolve;
-use crate::program::Program;
-use crate::project::Project;
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use hosts::HostFile;
+use hosts::cpp::lookup::LookupKind;
+use reading::Project;
+use reading::ShaderFile;
+use reading::program::Program;
+use reading::program::resolve;
 use syntax::interface::Variable;
 
 /// The rule.

@@ -1,14 +1,14 @@
 //! H013: a look-up before the program is linked.
 
-use super::HostFile;
-use super::index::Index;
-use super::program::is_call;
-use super::syntax::{ancestors, arguments, bare, span};
 use base::diagnostic::{Code, Severity, message};
+use hosts::HostFile;
+use hosts::cpp::index::Index;
+use hosts::cpp::program::is_call;
+use hosts::cpp::tree::{ancestors, arguments, bare, span};
 use tree_sitter::Node;
 
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use reading::Project;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -1,11 +1,11 @@
 //! H006: a member of a uniform block set as a plain uniform.
 
-use super::HostFile;
-use super::lookup::LookupKind;
-use super::program::resolve;
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use hosts::HostFile;
+use hosts::cpp::lookup::LookupKind;
+use reading::Project;
+use reading::program::resolve;
 use syntax::interface::Storage;
 
 /// The rule.

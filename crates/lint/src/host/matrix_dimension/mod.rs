@@ -1,12 +1,12 @@
 //! H019: a matrix set by a function for another size.
 
-use super::HostFile;
 use super::settings::settings;
-use super::spelling::spelled;
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use hosts::HostFile;
+use hosts::spelling::spelled;
+use reading::Project;
 use syntax::types::Type;
 
 /// The rule.

@@ -1,12 +1,12 @@
 //! H011: a sampler set with something else than a unit.
 
-use super::HostFile;
 use super::settings::{Setting, settings};
-use super::syntax::{arguments, bare, callee, descendants};
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use hosts::HostFile;
+use hosts::cpp::tree::{arguments, bare, callee, descendants};
+use reading::Project;
 use syntax::types::{OpaqueKind, Type};
 
 /// The rule.

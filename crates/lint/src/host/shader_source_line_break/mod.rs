@@ -1,10 +1,10 @@
 //! H021: a missing line break in a shader text.
 
-use super::HostFile;
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::{Edit, Span};
+use hosts::HostFile;
+use reading::Project;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -1,15 +1,15 @@
 //! H022: a shader compiled as another stage.
 
-use super::HostFile;
-use super::creation::stage_constant;
-use super::group::is_shader_name;
-use super::index::Index;
-use super::syntax::{arguments, bare, plain_string, span};
 use crate::program::stage_in_japanese;
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::{Edit, Span};
+use hosts::HostFile;
+use hosts::cpp::creation::stage_constant;
+use hosts::cpp::group::is_shader_name;
+use hosts::cpp::index::Index;
+use hosts::cpp::tree::{arguments, bare, plain_string, span};
+use reading::Project;
 use syntax::Stage;
 
 /// The rule.

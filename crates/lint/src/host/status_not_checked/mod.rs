@@ -1,10 +1,10 @@
 //! H016: the status of compiling and linking is not checked.
 
-use super::HostFile;
-use super::syntax::{callee, descendants, span};
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use hosts::HostFile;
+use hosts::cpp::tree::{callee, descendants, span};
+use reading::Project;
 
 /// The rule.
 pub const RULE: Rule = Rule {

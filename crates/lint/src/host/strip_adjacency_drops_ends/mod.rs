@@ -2,12 +2,12 @@
 
 use tree_sitter::Node;
 
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::Project;
 
-use super::HostFile;
-use super::syntax::{arguments, bare, callee, descendants, root_object, span, write};
+use hosts::HostFile;
+use hosts::cpp::tree::{arguments, bare, callee, descendants, root_object, span, write};
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -1,14 +1,14 @@
 //! H001: the location of an attribute is asked for as that of a uniform.
 
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use reading::Project;
 
-use super::HostFile;
-use super::lookup::LookupKind;
-use super::program::resolve;
-use super::spelling::spelled;
+use hosts::HostFile;
+use hosts::cpp::lookup::LookupKind;
+use hosts::spelling::spelled;
+use reading::program::resolve;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -1,14 +1,14 @@
 //! H010: a uniform set by a function for another type.
 
-use super::HostFile;
-use super::setter::Setter;
 use super::settings::Setting;
 use super::settings::settings;
-use super::spelling::spelled;
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use hosts::HostFile;
+use hosts::setter::Setter;
+use hosts::spelling::spelled;
+use reading::Project;
 use syntax::types::Type;
 
 /// The rule.

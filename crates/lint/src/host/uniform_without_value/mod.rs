@@ -2,14 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use super::HostFile;
-use super::marks::has_word;
-use super::program::resolve;
-use super::suggest::{list, list_in_japanese};
-use crate::program::Program;
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use hosts::HostFile;
+use hosts::marks::has_word;
+use hosts::suggest::{list, list_in_japanese};
+use reading::Project;
+use reading::program::Program;
+use reading::program::resolve;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -1,14 +1,14 @@
 //! H004: an attribute is looked up by a name that the vertex stage does not declare.
 
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use reading::Project;
 
-use super::HostFile;
-use super::lookup::LookupKind;
-use super::program::resolve;
-use super::suggest::{list, list_in_japanese, nearest};
+use hosts::HostFile;
+use hosts::cpp::lookup::LookupKind;
+use hosts::suggest::{list, list_in_japanese, nearest};
+use reading::program::resolve;
 
 /// The rule.
 pub const RULE: Rule = Rule {

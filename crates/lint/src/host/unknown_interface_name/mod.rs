@@ -2,16 +2,17 @@
 
 use tree_sitter::Node;
 
-use super::HostFile;
-use super::index::Index;
-use super::program::{resolve, source};
-use super::suggest::{list, list_in_japanese, nearest};
-use super::syntax::{arguments, bare, callee, elements, plain_string};
-use crate::program::Program;
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Message, Safety, Severity, message};
 use base::text::{Edit, Span};
+use hosts::HostFile;
+use hosts::cpp::index::Index;
+use hosts::cpp::program::source;
+use hosts::cpp::tree::{arguments, bare, callee, elements, plain_string};
+use hosts::suggest::{list, list_in_japanese, nearest};
+use reading::Project;
+use reading::program::Program;
+use reading::program::resolve;
 use syntax::Stage;
 use syntax::interface::Storage;
 

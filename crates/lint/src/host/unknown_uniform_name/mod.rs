@@ -1,16 +1,17 @@
 //! H003: a uniform is looked up by a name that no stage declares.
 
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::{Edit, Span};
+use reading::{Project, ShaderFile};
 
-use super::HostFile;
-use super::group::is_shader_name;
-use super::lookup::{Lookup, LookupKind, Missing};
-use super::program::{ProgramSource, resolve};
-use super::suggest::{list, list_in_japanese, nearest};
-use super::syntax::{descendants, plain_string};
+use hosts::HostFile;
+use hosts::cpp::group::is_shader_name;
+use hosts::cpp::lookup::{Lookup, LookupKind, Missing};
+use hosts::cpp::program::ProgramSource;
+use hosts::cpp::tree::{descendants, plain_string};
+use hosts::suggest::{list, list_in_japanese, nearest};
+use reading::program::resolve;
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -96,7 +97,7 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
 /// the same object belongs to one of them.
 fn nowhere(host: &HostFile, project: &Project, lookup: &Lookup, findings: &mut Findings<'_>) {
     // What other languages name may be an engine's.
-    if host.script.is_some() {
+    if host.is_script() {
         return;
     }
     let name = lookup.base_name();

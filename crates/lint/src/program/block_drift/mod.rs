@@ -1,12 +1,12 @@
 //! I009: blocks of one name that differ.
 
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Message, Severity, message};
+use reading::{Project, ShaderFile};
 use syntax::interface::{Block, Storage};
 
-use super::Program;
-use super::link::{agree, block as block_of, is_built_in};
+use reading::program::Program;
+use reading::program::link::{agree, block as block_of, is_built_in};
 
 /// The rule.
 pub const RULE: Rule = Rule {

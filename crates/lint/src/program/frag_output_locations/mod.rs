@@ -1,13 +1,13 @@
 //! I008: fragment outputs without locations.
 
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use reading::Project;
 use syntax::{Profile, Stage};
 
-use super::link::is_built_in;
-use super::{Known, Program};
+use reading::program::link::is_built_in;
+use reading::program::{Known, Program};
 
 /// The rule.
 pub const RULE: Rule = Rule {

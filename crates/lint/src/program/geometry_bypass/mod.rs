@@ -1,13 +1,13 @@
 //! I007: a value that does not pass the geometry stage.
 
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::Project;
 use syntax::Stage;
 use syntax::interface::Storage;
 
-use super::link::{in_block, is_built_in, is_used, producer};
-use super::{Known, Program};
+use reading::program::link::{in_block, is_built_in, is_used, producer};
+use reading::program::{Known, Program};
 
 /// The rule.
 pub const RULE: Rule = Rule {

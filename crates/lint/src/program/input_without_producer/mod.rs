@@ -1,17 +1,19 @@
 //! I001: an input that the stage before does not write.
 
-use crate::host::{list, list_in_japanese, nearest};
-use crate::project::{Project, ShaderFile, folder};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use hosts::paths::folder;
+use hosts::suggest::{list, list_in_japanese, nearest};
+use reading::{Project, ShaderFile};
 use syntax::Stage;
 use syntax::interface::{Storage, Variable};
 
-use super::link::{
+use super::stage_in_japanese;
+use reading::program::link::{
     block as block_of, consumer, in_block, input_type, is_built_in, is_read, is_used, output_type, producer,
 };
-use super::{Known, Program, stage_in_japanese};
+use reading::program::{Known, Program};
 
 /// The rule.
 pub const RULE: Rule = Rule {

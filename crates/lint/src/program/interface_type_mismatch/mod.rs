@@ -1,14 +1,14 @@
 //! I002: an input whose type is not that of its output.
 
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::Project;
 
 use syntax::Shader;
 use syntax::types::Type;
 
-use super::Program;
-use super::link::{agree, input_type, is_built_in, output_type, producer};
+use reading::program::Program;
+use reading::program::link::{agree, input_type, is_built_in, output_type, producer};
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -1,14 +1,14 @@
 //! I004: an output and its input with different interpolation.
 
-use crate::project::Project;
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use reading::Project;
+use reading::ShaderFile;
 use syntax::Stage;
 
-use super::Program;
-use super::link::{interpolation, is_built_in, keyword, producer};
+use reading::program::Program;
+use reading::program::link::{interpolation, is_built_in, keyword, producer};
 
 /// The rule.
 pub const RULE: Rule = Rule {

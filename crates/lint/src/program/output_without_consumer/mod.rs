@@ -1,12 +1,13 @@
 //! I003: an output that nobody reads.
 
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::Project;
 use syntax::interface::Storage;
 
-use super::link::{consumer, in_block, input_type, is_built_in, is_patch, output_type, producer};
-use super::{Known, Program, stage_in_japanese};
+use super::stage_in_japanese;
+use reading::program::link::{consumer, in_block, input_type, is_built_in, is_patch, output_type, producer};
+use reading::program::{Known, Program};
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -1,11 +1,11 @@
 //! I006: a uniform with two types.
 
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::Project;
 
-use super::Program;
-use super::link::agree;
+use reading::program::Program;
+use reading::program::link::agree;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -1,8 +1,8 @@
 //! W002: atomics in a buffer that can only be read.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::wgsl::{Module, TypeSyntax};
 
 /// The rule.

@@ -5,7 +5,7 @@ use syntax::Shader;
 use syntax::wgsl::{Module, TypeSyntax};
 
 use super::super::interface::Resource;
-use crate::script::webgpu::Kind;
+use hosts::script::webgpu::Kind;
 
 /// What an entry and a declaration say of the same thing, where they differ.
 pub(super) fn difference(

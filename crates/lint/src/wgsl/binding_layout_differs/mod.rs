@@ -2,12 +2,12 @@
 
 mod fits;
 
-use crate::host::HostFile;
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
-use crate::script::webgpu::{BindGroup, Bound, GroupLayout, PipelineLayout};
 use base::diagnostic::{Code, Diagnostic, Message, Severity, message};
 use base::text::Span;
+use hosts::HostFile;
+use hosts::script::webgpu::{BindGroup, Bound, GroupLayout, PipelineLayout};
+use reading::Project;
 
 use super::interface::{Used, used};
 

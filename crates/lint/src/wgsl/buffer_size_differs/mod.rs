@@ -1,9 +1,9 @@
 //! W015: a uniform buffer that is not of the size of what the shader reads from it.
 
-use crate::host::HostFile;
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use hosts::HostFile;
+use reading::Project;
 
 use super::interface::used;
 

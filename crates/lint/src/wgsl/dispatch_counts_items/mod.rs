@@ -1,10 +1,10 @@
 //! W014: a dispatch whose count of work groups is the number of items.
 
-use crate::host::HostFile;
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::kernel::{kernels, unguarded_store};
 use base::diagnostic::{Code, Severity, message};
+use hosts::HostFile;
+use reading::Project;
 
 use super::interface::{module_of, started};
 

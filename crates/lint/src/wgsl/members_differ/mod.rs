@@ -1,11 +1,11 @@
 //! W016: a structure whose members have other names in the host than in the shader.
 
-use crate::host::HostFile;
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
-use crate::script::webgpu::Structure;
 use base::diagnostic::{Code, Severity, message};
 use base::text::Span;
+use hosts::HostFile;
+use hosts::script::webgpu::Structure;
+use reading::{Project, ShaderFile};
 use syntax::wgsl::{MemberSyntax, ModuleItem};
 
 /// The rule.

@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 
 use crate::glsl::parted::with_condition;
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::uniformity::{Parted, parted};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::wgsl::Module;
 
 /// The rule.

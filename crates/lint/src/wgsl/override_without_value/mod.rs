@@ -1,8 +1,8 @@
 //! W006: a pipeline constant without a value.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::wgsl::{DeclarationKind, Module};
 
 /// The rule.

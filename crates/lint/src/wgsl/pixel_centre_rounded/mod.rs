@@ -1,9 +1,9 @@
 //! W004: the place of a fragment, rounded.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use reading::ShaderFile;
 use syntax::ast::{Callee, ExprKind};
 use syntax::symbols::CallTarget;
 use syntax::wgsl::Module;

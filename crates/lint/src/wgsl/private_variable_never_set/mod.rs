@@ -1,8 +1,8 @@
 //! W003: a private variable that nothing writes.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::wgsl::Module;
 
 /// The rule.

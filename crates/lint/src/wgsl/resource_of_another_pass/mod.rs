@@ -1,9 +1,9 @@
 //! W017: a pass that binds a resource of the pass before it.
 
-use crate::host::HostFile;
-use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use hosts::HostFile;
+use reading::Project;
 
 /// The rule.
 pub const RULE: Rule = Rule {

@@ -1,11 +1,11 @@
 //! W011: a structure that host and shader lay out differently.
 
-use crate::host::HostFile;
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
-use crate::script::webgpu::{Field, Structure};
 use base::diagnostic::{Code, Message, Severity, message};
 use base::text::Span;
+use hosts::HostFile;
+use hosts::script::webgpu::{Field, Structure};
+use reading::{Project, ShaderFile};
 use syntax::wgsl::{Layout, MemberSyntax};
 
 /// The rule.

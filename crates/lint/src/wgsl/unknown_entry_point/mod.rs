@@ -1,11 +1,11 @@
 //! W010: the name of an entry point that its module does not have.
 
-use crate::host::HostFile;
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
-use crate::script::webgpu::{StageUse, Start};
 use base::diagnostic::{Code, Message, Severity, message};
 use base::text::Span;
+use hosts::HostFile;
+use hosts::script::webgpu::{StageUse, Start};
+use reading::{Project, ShaderFile};
 use syntax::Stage;
 use syntax::wgsl::Module;
 

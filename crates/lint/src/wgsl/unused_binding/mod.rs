@@ -1,8 +1,8 @@
 //! W005: a resource that nothing uses.
 
-use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use reading::ShaderFile;
 use syntax::wgsl::Module;
 
 /// The rule.

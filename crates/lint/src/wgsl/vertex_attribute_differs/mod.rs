@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use crate::host::HostFile;
-use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
-use crate::script::webgpu::{Attribute, VertexBuffer};
 use base::diagnostic::{Code, Diagnostic, Severity, message};
 use base::text::Span;
+use hosts::HostFile;
+use hosts::script::webgpu::{Attribute, VertexBuffer};
+use reading::{Project, ShaderFile};
 use syntax::Stage;
 use syntax::types::ScalarType;
 

@@ -1,0 +1,195 @@
+//! Shaders in string literals of host files.
+
+use tree_sitter::Node;
+
+use base::text::Span;
+use syntax::Stage;
+
+use super::creation::{self, Source};
+use super::stringized;
+use super::tree::{ancestors, arguments, bare, descendants, span, wrapped, write};
+use crate::HostFile;
+use crate::Literal;
+use crate::marks;
+
+/// A shader in literals of a host file.
+#[derive(Clone, Debug)]
+pub struct Embedded {
+    /// Name for messages: the file's, `#`, and the variable's or the line.
+    pub name: String,
+    /// The variable that holds it, with the place of its name; none for a literal in a call.
+    pub variable: Option<(String, Span)>,
+    /// Its stage.
+    pub stage: Stage,
+    /// The stage that `glCreateShader` or a function like it is told, with that place.
+    pub created_as: Option<(Stage, Span)>,
+    /// The text and its places.
+    pub literal: Literal,
+    /// Place of the literals in the host file.
+    pub place: Span,
+    /// True when a template fills something in, or other texts are joined to it.
+    pub partial: bool,
+    /// True for a module in WGSL.
+    pub wgsl: bool,
+}
+
+impl Embedded {
+    /// Where the line of `#version` goes on though it should end: a literal without line break.
+    pub fn run_on(&self) -> Option<usize> {
+        let text = &self.literal.text;
+        let start = text.find("#version")?;
+        let line = text[start..].lines().next()?;
+        let rest = line["#version".len()..].trim_start();
+        let digits = rest.trim_start_matches(|c: char| c.is_ascii_digit());
+        let number = line.len() - digits.len();
+        let mut end = start + number;
+        for profile in ["core", "compatibility", "es"] {
+            if let Some(after) = digits.trim_start().strip_prefix(profile) {
+                end = start + line.len() - after.len();
+            }
+        }
+        let after = text[end..start + line.len()].trim_start();
+        let comment = after.starts_with("//") || after.starts_with("/*");
+        (!after.is_empty() && !comment).then_some(start + line.len() - after.len())
+    }
+}
+
+/// A literal that may be a shader.
+pub struct Candidate {
+    /// The text and its places.
+    pub literal: Literal,
+    /// Place in the host file.
+    pub place: Span,
+    /// The variable that it is written to.
+    pub variable: Option<(String, Span)>,
+}
+
+/// All shaders in literals of a file, in the order of the text. A literal that is only a part of a
+/// shader, or whose stage cannot be found out, is none.
+pub fn find(host: &HostFile) -> Vec<Embedded> {
+    let text = host.file.text();
+    if !text.contains("main") || !(text.contains("#version") || text.contains("gl_")) {
+        return Vec::new();
+    }
+    let Some(root) = host.root() else { return Vec::new() };
+    let mut candidates = stringized::find(host, root);
+    let nodes: Vec<Node<'_>> = descendants(root).filter(|n| is_string(*n)).collect();
+    for &node in &nodes {
+        let place = span(node);
+        let in_other = |c: &Candidate| c.place.start <= place.start && place.end <= c.place.end;
+        if !candidates.iter().any(in_other) {
+            candidates.extend(candidate(host, node));
+        }
+    }
+    candidates.retain(|c| is_whole(&c.literal.text));
+    candidates.sort_by_key(|c| c.place);
+    let sources: Vec<Source<'_>> = candidates
+        .iter()
+        .map(|c| Source { variable: c.variable.as_ref().map(|v| v.0.as_str()), place: c.place })
+        .collect();
+    let created = creation::stages(host, root, &sources);
+    let mut found: Vec<Embedded> = Vec::new();
+    for (candidate, created_as) in candidates.into_iter().zip(created) {
+        let Candidate { literal, place, variable } = candidate;
+        let Ok(by_contents) = marks::stage(&literal.text) else { continue };
+        let by_name = || variable.as_ref().and_then(|v| Stage::of_name(&v.0));
+        let Some(stage) = by_contents.or(created_as.map(|c| c.0)).or_else(by_name) else { continue };
+        let line = host.file.position(place.start).line;
+        let called = variable.as_ref().map_or_else(|| line.to_string(), |v| v.0.clone());
+        let mut name = format!("{}#{called}", host.file.name());
+        if found.iter().any(|e| e.name == name) {
+            name = format!("{name}:{line}");
+        }
+        found.push(Embedded { name, variable, stage, created_as, literal, place, partial: false, wgsl: false });
+    }
+    found
+}
+
+/// True for the outermost node of a string.
+fn is_string(node: Node<'_>) -> bool {
+    matches!(node.kind(), "string_literal" | "raw_string_literal" | "concatenated_string")
+        && node.parent().is_none_or(|p| !matches!(p.kind(), "concatenated_string" | "preproc_include"))
+}
+
+/// The literal as a possible shader, when it is all that its variable or argument holds.
+fn candidate(host: &HostFile, node: Node<'_>) -> Option<Candidate> {
+    if !host.text(node).contains("main") {
+        return None;
+    }
+    // `"a" NAME "b"` reads as an error: a macro may stand for anything.
+    let outside = ["compound_statement", "translation_unit", "function_definition", "field_declaration_list"];
+    if ancestors(node).take_while(|n| !outside.contains(&n.kind())).any(|n| n.has_error()) {
+        return None;
+    }
+    let literal = Literal::of(node, &host.file)?;
+    let mut value = converted(host, wrapped(node));
+    let mut parent = value.parent()?;
+    if parent.kind() == "initializer_list" {
+        // Of `{ a, b }` each element is a string of its own; only one alone is surely a whole text.
+        if parent.named_child_count() != 1 {
+            return None;
+        }
+        value = wrapped(parent);
+        parent = value.parent()?;
+    }
+    let variable = match parent.kind() {
+        "init_declarator" | "assignment_expression" => {
+            let target = write(parent)?.target;
+            Some((host.text(target).to_owned(), span(target)))
+        }
+        "field_initializer" | "return_statement" => None,
+        "argument_list" => match parent.parent() {
+            // `std::string name("…");`
+            Some(declarator) if declarator.kind() == "init_declarator" => {
+                let target = write(declarator)?.target;
+                Some((host.text(target).to_owned(), span(target)))
+            }
+            _ => None,
+        },
+        _ => return None,
+    };
+    Some(Candidate { literal, place: span(node), variable })
+}
+
+/// The outermost call around `node` that only converts it: `std::string("…")`, `QString("…")`.
+fn converted<'t>(host: &HostFile, node: Node<'t>) -> Node<'t> {
+    let Some(list) = node.parent().filter(|p| p.kind() == "argument_list") else { return node };
+    let Some(call) = list.parent().filter(|c| c.kind() == "call_expression") else { return node };
+    let Some(function) = call.child_by_field_name("function") else { return node };
+    let converts = match function.kind() {
+        "identifier" => &["string", "QString", "QByteArray", "QStringLiteral", "strdup"][..],
+        "qualified_identifier" => &["string"][..],
+        _ => return node,
+    };
+    let name = function.child_by_field_name("name").unwrap_or(function);
+    let text = host.text(name);
+    let one = matches!(arguments(call).as_slice(), &[only] if bare(only).id() == bare(node).id());
+    if one && converts.contains(&text) { wrapped(call) } else { node }
+}
+
+/// True for the text of a whole shader.
+fn is_whole(text: &str) -> bool {
+    let placeholder = ["%s", "%d", "%i", "%u", "%f", "{{", "${", "@{"].iter().any(|p| text.contains(p));
+    if placeholder || !marks::has_main(text) {
+        return false;
+    }
+    match text.find("#version") {
+        Some(at) => only_blank(&text[..at]) && !text[at + 1..].contains("#version"),
+        // Without a version the text may be the end of a longer one, unless it is surely old, and states what precision it has
+        // where it is for OpenGL ES.
+        None => {
+            let old = ["attribute", "varying", "gl_FragColor", "gl_Vertex", "gl_ModelViewProjectionMatrix"];
+            let es = ["precision", "highp", "mediump", "lowp"];
+            let of_es = es.iter().any(|w| marks::has_word(text, w));
+            let states = text.split(';').any(|part| {
+                let mut words = part.split_whitespace().skip_while(|word| *word != "precision");
+                words.next().is_some() && words.nth(1) == Some("float")
+            });
+            old.iter().any(|w| marks::has_word(text, w)) && (!of_es || states)
+        }
+    }
+}
+
+fn only_blank(text: &str) -> bool {
+    text.lines().map(str::trim).all(|l| l.is_empty() || l.starts_with("//"))
+}

@@ -1,0 +1,146 @@
+//! Documents: prose with shaders and host code in blocks. Each listing keeps the way back to the document, so
+//! that places and repairs are the document's own.
+//!
+//! A shader or a host listing may be made of several blocks. What a block lacks to be a whole shader is not reported.
+
+mod asciidoc;
+mod blocks;
+mod html;
+mod join;
+mod kind;
+mod markdown;
+mod tex;
+
+use base::text::{SourceFile, Span};
+use syntax::Stage;
+
+use crate::language::{Language, language_of};
+use crate::piece::Place;
+use crate::sections::sections;
+use crate::{Embedded, HostFile, Literal, concerns_shaders};
+use blocks::Blocks;
+
+/// Endings of documents that a folder is searched for.
+pub const DOCUMENT_EXTENSIONS: &[&str] = &["md", "markdown", "txt", "adoc", "asciidoc", "tex", "html", "htm"];
+
+/// The code of a document.
+#[derive(Default)]
+pub struct Document {
+    /// Shaders, in the order of the text.
+    pub shaders: Vec<Listing>,
+    /// Host code, in the order of the text.
+    pub hosts: Vec<Listing>,
+}
+
+/// Blocks of a document that are one text.
+pub struct Listing {
+    /// Name for messages: the document's and the line of the first block.
+    pub name: String,
+    /// What the document calls it: a file's name in the line of the fence.
+    pub called: Option<String>,
+    /// The text and its places.
+    pub literal: Literal,
+    /// Its stage; that of a library for host code and where nothing says it.
+    pub stage: Stage,
+    /// True for a text that lacks something: only what is wrong in any context may be told.
+    pub partial: bool,
+    /// Where it stands among the others.
+    pub place: Place,
+}
+
+/// How blocks of code are marked.
+#[derive(Clone, Copy)]
+enum Format {
+    Markdown,
+    AsciiDoc,
+    Tex,
+    Html,
+}
+
+impl Format {
+    fn of(name: &str) -> Self {
+        match name.rsplit('.').next().unwrap_or("").to_ascii_lowercase().as_str() {
+            "html" | "htm" | "xhtml" => Self::Html,
+            "adoc" | "asciidoc" | "asc" => Self::AsciiDoc,
+            "tex" | "ltx" | "latex" => Self::Tex,
+            _ => Self::Markdown,
+        }
+    }
+
+    /// What a document with code cannot do without.
+    fn marks(self) -> &'static [&'static str] {
+        match self {
+            Self::Markdown => &["```", "~~~", "<pre", "<script"],
+            Self::AsciiDoc => &["----", "....", "```", "[source"],
+            Self::Tex => &["{lstlisting}", "erbatim}", "{minted}", "{alltt}"],
+            Self::Html => &["<pre", "<script", "<PRE", "<SCRIPT"],
+        }
+    }
+}
+
+impl Document {
+    /// Reads a document; none when it holds neither a shader nor host code.
+    pub fn read(file: &SourceFile) -> Option<Self> {
+        let format = Format::of(file.name());
+        let text = file.text();
+        if !format.marks().iter().any(|m| text.contains(m)) || !(text.contains("glsl") || concerns_shaders(text)) {
+            return None;
+        }
+        let mut blocks = Blocks::new(file);
+        match format {
+            Format::Markdown => markdown::read(&mut blocks),
+            Format::AsciiDoc => asciidoc::read(&mut blocks),
+            Format::Tex => tex::read(&mut blocks),
+            Format::Html => html::read(&mut blocks, Span::new(0, text.len())),
+        }
+        let document = join::listings(file, blocks.finish());
+        (!document.shaders.is_empty() || !document.hosts.is_empty()).then_some(document)
+    }
+}
+
+/// True for a text that is no shader or host file by its name, and holds blocks of such code.
+pub fn is_document(file: &SourceFile) -> bool {
+    Document::read(file).is_some()
+}
+
+/// A whole shader of a document.
+#[derive(Clone, Debug)]
+pub struct Printed {
+    /// Its text, whose places lead back to the document.
+    pub file: SourceFile,
+    /// Its stage.
+    pub stage: Stage,
+    /// The lines of the document that it takes, those around it included.
+    pub lines: std::ops::RangeInclusive<usize>,
+}
+
+/// The whole shaders that a file of another kind holds, in the order of the text: the blocks of a document, strings of
+/// host code, and the stages of a file that has several. None for a file that is one shader.
+pub fn printed_shaders(file: &SourceFile) -> Vec<Printed> {
+    let all: Vec<(String, Stage, Literal)> = match language_of(file.name()) {
+        Some(Language::Shader(_)) => {
+            let named = |stage: Stage| format!("{} ({})", file.name(), stage.name());
+            sections(file).into_iter().map(|(stage, literal)| (named(stage), stage, literal)).collect()
+        }
+        Some(Language::Wgsl) => Vec::new(),
+        Some(language) => {
+            let host =
+                if language == Language::Script { HostFile::script(file, true) } else { HostFile::new(file, true) };
+            let whole = host.embedded().iter().filter(|e| !e.partial);
+            // What runs a text knows its language by its name.
+            let named = |e: &Embedded| if e.wgsl { format!("{}.wgsl", e.name) } else { e.name.clone() };
+            whole.map(|e| (named(e), e.stage, e.literal.clone())).collect()
+        }
+        None => {
+            let shaders = Document::read(file).map(|d| d.shaders).unwrap_or_default();
+            shaders.into_iter().filter(|s| !s.partial).map(|s| (s.name, s.stage, s.literal)).collect()
+        }
+    };
+    let printed = all.into_iter().filter_map(|(name, stage, literal)| {
+        let place = literal.place()?;
+        let last = file.position(place.end.saturating_sub(1)).line;
+        let lines = file.position(place.start).line.saturating_sub(1)..=last + 1;
+        Some(Printed { file: literal.assembled(file, &name), stage, lines })
+    });
+    printed.collect()
+}

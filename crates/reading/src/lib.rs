@@ -1,0 +1,25 @@
+//! The files of a project, read once: shaders with their interface, as far as the front end could read them, what their
+//! texts leave open, and the programs that they are linked into.
+//!
+//! Nothing here knows a rule: what a text is does not depend on who asks.
+
+pub mod composed;
+mod conditions;
+mod config;
+mod dialect;
+pub mod es;
+pub mod hlsl;
+mod level;
+mod linked;
+pub mod open;
+pub mod prelude;
+pub mod program;
+mod project;
+pub mod relocate;
+pub mod variants;
+
+pub use composed::{Composed, Composer};
+pub use config::{Config, ProgramEntry};
+pub use level::Level;
+pub use linked::{HostName, Linked, linked};
+pub use project::{Input, Project, ShaderFile, companions};

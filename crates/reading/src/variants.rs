@@ -1,0 +1,68 @@
+//! What is wrong in parts of a text that only a macro from outside switches on: hosts define what an `#if` asks.
+
+use base::diagnostic::Diagnostic;
+use base::text::Span;
+use syntax::errors::Around;
+use syntax::{Parsed, Shader, TokenPlace, errors};
+
+use crate::conditions::{self, Conditions};
+use crate::open::{self, Surroundings};
+
+/// Names that are tried one by one at most.
+const MOST: usize = 8;
+
+/// Errors in parts that macros from outside switch on, with true for what is certain: each holds under every definition
+/// that was tried and that switches its place on.
+pub fn errors(shader: &Shader) -> Vec<(bool, Diagnostic)> {
+    let conditions = Conditions::of(shader);
+    let asked = conditions.undefined(false);
+    if asked.is_empty() || !shader.defines().is_empty() {
+        return Vec::new();
+    }
+    // A piece is put into shaders of any version; conversions differ between versions.
+    let stated = shader.version().span.is_some();
+    let whole = shader.function("main").is_some();
+    let outside = if stated { !Around::TYPES } else { Around::all() };
+    // All at once may contradict each other.
+    let many = asked.len() > MOST;
+    let mut sets = conditions::each_and_all(&asked);
+    if many {
+        sets.drain(..asked.len());
+    }
+    let mut found: Vec<(bool, Diagnostic)> = Vec::new();
+    let mut tried: Vec<Parsed> = Vec::new();
+    for defines in sets {
+        let parsed = shader.with_defines(&defines);
+        let surroundings = Surroundings::new(&parsed.shader, &conditions, &parsed.diagnostics);
+        for error in &parsed.diagnostics {
+            let told = |(_, d): &(bool, Diagnostic)| open::stands_in(std::slice::from_ref(d), error);
+            if is_active(shader, error.span) || found.iter().any(told) {
+                continue;
+            }
+            let name = error.file.slice(error.span);
+            // The macro stands where a name is wanted: what guards a declaration has taken its name.
+            let own = error.code == errors::SYNTAX && defines.iter().any(|(macro_name, _)| macro_name == name);
+            let unsure = open::is_of_unknown_value(&parsed.shader, &asked, error);
+            let of_names = open::is_of_another(error) || errors::is_name(error.code);
+            let open = unsure || of_names || surroundings.leave_open(error, outside);
+            let certain = own || (!many && whole && !open);
+            let unknown = error.code == errors::UNKNOWN_NAME && !syntax::is_macro(name);
+            let of_types = !errors::rests_on(error.code).intersects(!(Around::TYPES | Around::VALUES));
+            let on_request = !many && (unknown || of_types);
+            if certain || on_request {
+                found.push((certain, error.clone()));
+            }
+        }
+        tried.push(parsed);
+    }
+    found.retain(|(_, error)| {
+        let holds = |p: &Parsed| !is_active(&p.shader, error.span) || open::stands_in(&p.diagnostics, error);
+        tried.iter().all(holds)
+    });
+    found
+}
+
+/// True for a place that is compiled.
+fn is_active(shader: &Shader, span: Span) -> bool {
+    conditions::place_of(shader, span) == Some(TokenPlace::Text)
+}
