@@ -1,9 +1,53 @@
 //! Operations on words, by the rules of WGSL, with a report where those rules paper over something.
 
-use super::code::{Field, Reg, Word1, Word2};
+use super::code::{Field, Reg, Register, Word1, Word2};
+use super::domain::{Domain, Site};
+use super::machine::Machine;
 use super::meaning::HazardKind;
 use super::slots::{Mask, SLOTS, Words};
-use super::undefined::Operand;
+use super::undefined::{Operand, Undefined};
+use base::value::Scalar;
+
+impl<D: Domain> Machine<'_, D> {
+    #[inline]
+    pub(super) fn word1(&mut self, op: Word1, to: Reg, a: Reg, site: Site) {
+        let a = &self.words[a as usize];
+        let (out, doubts) = (word1(op, a), doubts1(op, a));
+        if let Some((kind, mask)) = doubts {
+            self.report(kind, site, mask);
+        }
+        self.words[to as usize] = out;
+    }
+
+    #[inline]
+    pub(super) fn word2(&mut self, op: Word2, to: Reg, args: [Reg; 2], site: Site) {
+        let [a, b] = args.map(|reg| &self.words[reg as usize]);
+        if let Some((question, signed)) = op.question() {
+            self.domain.compare_words(site, question, signed, &self.active, a, b);
+        }
+        let (out, doubts) = (word2(op, a, b), doubts2(op, a, b));
+        self.words[to as usize] = out;
+        let args = operands(op, args);
+        // An index is looked at again where it is used.
+        let to = (op != Word2::Index).then_some(Register { scalar: Scalar::I32, reg: to });
+        for (kind, mask) in doubts.into_iter().flatten() {
+            self.undefined(Undefined { kind, site, what: None }, mask, to, args);
+        }
+    }
+
+    #[inline]
+    pub(super) fn field(&mut self, op: Field, to: Reg, args: [Reg; 4], site: Option<Site>) {
+        let words = args.map(|reg| &self.words[reg as usize]);
+        let outside = site.map_or(Mask::NONE, |_| doubts_of_field(op, words));
+        self.words[to as usize] = field(op, words);
+        if let Some(site) = site {
+            let (offset, count) = bits_of(op);
+            let found = Undefined { kind: HazardKind::BitField, site, what: None };
+            let to = Register { scalar: Scalar::I32, reg: to };
+            self.undefined(found, outside, Some(to), [args[offset], args[count]].map(Operand::Signed));
+        }
+    }
+}
 
 #[inline]
 fn map(a: &Words, f: impl Fn(u32) -> u32) -> Words {
@@ -153,7 +197,7 @@ pub(super) fn doubts2(op: Word2, a: &Words, b: &Words) -> [Option<(HazardKind, M
 }
 
 /// Where offset and count of an operation on bit fields stand among its arguments.
-pub(super) fn bits_of(op: Field) -> (usize, usize) {
+fn bits_of(op: Field) -> (usize, usize) {
     match op {
         Field::ExtractSigned | Field::ExtractUnsigned => (1, 2),
         Field::Insert => (2, 3),
@@ -161,13 +205,13 @@ pub(super) fn bits_of(op: Field) -> (usize, usize) {
 }
 
 /// Slots in which a bit field reaches outside of the word.
-pub(super) fn doubts_of_field(op: Field, args: [&Words; 4]) -> Mask {
+fn doubts_of_field(op: Field, args: [&Words; 4]) -> Mask {
     let (offset, count) = bits_of(op);
     Mask::where_(|k| u64::from(args[offset][k]) + u64::from(args[count][k]) > 32)
 }
 
 /// The operands of an operation, for messages: as the operation takes them.
-pub(super) fn operands(op: Word2, (a, b): (Reg, Reg)) -> [Operand; 2] {
+fn operands(op: Word2, [a, b]: [Reg; 2]) -> [Operand; 2] {
     match op {
         Word2::DivideUnsigned | Word2::RemainderUnsigned => [Operand::Unsigned(a), Operand::Unsigned(b)],
         _ => [Operand::Signed(a), Operand::Signed(b)],
@@ -175,7 +219,7 @@ pub(super) fn operands(op: Word2, (a, b): (Reg, Reg)) -> [Operand; 2] {
 }
 
 /// WGSL, 17.3: offset and count are cut to the word.
-pub(super) fn field(op: Field, args: [&Words; 4]) -> Words {
+fn field(op: Field, args: [&Words; 4]) -> Words {
     let mut out = [0; SLOTS];
     for (slot, out) in out.iter_mut().enumerate() {
         let [a, b, c, d] = args.map(|arg| arg[slot]);

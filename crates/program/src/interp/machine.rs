@@ -4,27 +4,13 @@ use std::collections::HashMap;
 use std::mem::take;
 
 use super::POISON;
-use super::code::{Constant, Executable, File, Guarded, Inst, Register, Word2};
+use super::code::{Constant, Executable, File, Inst, Reg, Register};
+use super::control::Breakable;
 use super::domain::{Domain, Site, WordSource};
-use super::integer;
 use super::meaning::{Finding, Flags, HazardKind};
 use super::slots::{Mask, SLOTS, Words};
 use super::undefined::{Operand, Probe, Undefined};
-use crate::Written;
-use crate::lane::interrupt;
 use base::value::{Batch, Scalar};
-
-/// Rounds of loops that a chunk may still go through once the process was asked to end: what shaders usually need, so that
-/// samples that were found can still be described.
-const LAST_ROUNDS: u64 = 1 << 10;
-
-/// A loop or switch that slots can leave.
-#[derive(Default)]
-pub(super) struct Breakable {
-    pub left: Mask,
-    /// Slots that go on with the next round; `None` for a switch.
-    pub next: Option<Mask>,
-}
 
 /// Registers, masks and findings of one chunk after the other.
 pub struct Machine<'e, D: Domain> {
@@ -44,7 +30,7 @@ pub struct Machine<'e, D: Domain> {
     pub(super) fuel: Words,
     fuel_limit: u32,
     /// Rounds of all loops of this chunk, and of all chunks.
-    chunk_rounds: u64,
+    pub(super) chunk_rounds: u64,
     pub(super) rounds: u64,
     pub(super) flags: [Flags; SLOTS],
     pub(super) findings: Vec<Finding>,
@@ -200,131 +186,41 @@ impl<'e, D: Domain> Machine<'e, D> {
         }
     }
 
-    fn block(&mut self, block: &'e [Inst]) {
-        for inst in block {
-            if self.active.is_empty() {
-                return;
-            }
-            self.step(inst);
-        }
-    }
-
     pub(super) fn step(&mut self, inst: &'e Inst) {
         match inst {
-            Inst::Real1 { op, to, a, site } => {
-                let mut out = take(&mut self.reals[*to as usize]);
-                self.domain.unary(*site, *op, &self.active, &self.reals[*a as usize], &mut out);
-                self.reals[*to as usize] = out;
-            }
-            Inst::Real2 { op, to, a, b, site } => {
-                let mut out = take(&mut self.reals[*to as usize]);
-                let (a, b) = (&self.reals[*a as usize], &self.reals[*b as usize]);
-                self.domain.binary(*site, *op, &self.active, a, b, &mut out);
-                self.reals[*to as usize] = out;
-            }
-            Inst::Scale { to, a, exponent, site } => {
-                let mut out = take(&mut self.reals[*to as usize]);
-                self.domain.scale(*site, &self.reals[*a as usize], &self.words[*exponent as usize], &mut out);
-                self.reals[*to as usize] = out;
-            }
+            Inst::Real1 { op, to, a, site } => self.write_real(*to, |this, out| {
+                this.domain.unary(*site, *op, &this.active, &this.reals[*a as usize], out);
+            }),
+            Inst::Real2 { op, to, a, b, site } => self.write_real(*to, |this, out| {
+                let (a, b) = (&this.reals[*a as usize], &this.reals[*b as usize]);
+                this.domain.binary(*site, *op, &this.active, a, b, out);
+            }),
+            Inst::Scale { to, a, exponent, site } => self.write_real(*to, |this, out| {
+                this.domain.scale(*site, &this.reals[*a as usize], &this.words[*exponent as usize], out);
+            }),
             Inst::Compare { op, to, a, b, site } => {
                 let (a, b) = (&self.reals[*a as usize], &self.reals[*b as usize]);
                 self.domain.compare(*site, *op, &self.active, a, b, &mut self.words[*to as usize]);
             }
             Inst::Classify { class, to, a, site } => {
-                self.domain.classify(
-                    *site,
-                    *class,
-                    &self.active,
-                    &self.reals[*a as usize],
-                    &mut self.words[*to as usize],
-                );
+                let (a, out) = (&self.reals[*a as usize], &mut self.words[*to as usize]);
+                self.domain.classify(*site, *class, &self.active, a, out);
             }
-            Inst::ToWords { op, to, a, site } => {
-                let (from, out) = (&self.reals[*a as usize], &mut self.words[*to as usize]);
-                let mut outside = self.domain.words_of(*site, *op, &self.active, from, out);
-                if self.executable.written == Written::Wgsl && !outside.is_empty() {
-                    outside = outside.and(Mask::where_(|slot| self.domain.shown(from, slot).is_nan()));
-                }
-                let to = Register { scalar: Scalar::I32, reg: *to };
-                let found = Undefined { kind: HazardKind::Conversion, site: *site, what: None };
-                self.undefined(found, outside, Some(to), [Operand::Real(*a), Operand::None]);
-            }
+            Inst::ToWords { op, to, a, site } => self.convert(*op, *to, *a, *site),
             Inst::FromWords { op, to, a, site } => {
                 self.domain.reals_of(*site, *op, &self.words[*a as usize], &mut self.reals[*to as usize]);
             }
-            Inst::Word1 { op, to, a, site } => {
-                let a = &self.words[*a as usize];
-                let (out, doubts) = (integer::word1(*op, a), integer::doubts1(*op, a));
-                if let Some((kind, mask)) = doubts {
-                    self.report(kind, *site, mask);
-                }
-                self.words[*to as usize] = out;
-            }
-            Inst::Word2 { op, to, a: a_reg, b: b_reg, site } => {
-                let (a, b) = (&self.words[*a_reg as usize], &self.words[*b_reg as usize]);
-                if let Some((question, signed)) = op.question() {
-                    self.domain.compare_words(*site, question, signed, &self.active, a, b);
-                }
-                let (out, doubts) = (integer::word2(*op, a, b), integer::doubts2(*op, a, b));
-                self.words[*to as usize] = out;
-                let args = integer::operands(*op, (*a_reg, *b_reg));
-                // An index is looked at again where it is used.
-                let to = (*op != Word2::Index).then_some(Register { scalar: Scalar::I32, reg: *to });
-                for (kind, mask) in doubts.into_iter().flatten() {
-                    self.undefined(Undefined { kind, site: *site, what: None }, mask, to, args);
-                }
-            }
-            Inst::Field { op, to, args, site } => {
-                let words = args.map(|reg| &self.words[reg as usize]);
-                let outside = site.map_or(Mask::NONE, |_| integer::doubts_of_field(*op, words));
-                self.words[*to as usize] = integer::field(*op, words);
-                if let Some(site) = *site {
-                    let (offset, count) = integer::bits_of(*op);
-                    let found = Undefined { kind: HazardKind::BitField, site, what: None };
-                    let to = Register { scalar: Scalar::I32, reg: *to };
-                    self.undefined(found, outside, Some(to), [args[offset], args[count]].map(Operand::Signed));
-                }
-            }
-            Inst::Guard { what, to, from, args, site } => {
-                let to = Register { scalar: Scalar::F32, reg: *to };
-                self.copy(to, *from);
-                let [x, y] = args.map(|reg| &self.reals[reg as usize]);
-                let outside = self.domain.outside(*what, &self.active, x, y);
-                let found = Undefined { kind: HazardKind::Argument, site: *site, what: Some(*what) };
-                self.undefined(found, outside, Some(to), args.map(Operand::Real));
-            }
-            Inst::GuardWords { signed, to, from, args, site } => {
-                self.copy(*to, *from);
-                let [low, high] = args.map(|reg| &self.words[reg as usize]);
-                let number = |word: u32| if *signed { i64::from(word.cast_signed()) } else { i64::from(word) };
-                let outside = Mask::where_(|slot| number(low[slot]) > number(high[slot]));
-                let found = Undefined { kind: HazardKind::Argument, site: *site, what: Some(Guarded::Clamp) };
-                let operand = if *signed { Operand::Signed } else { Operand::Unsigned };
-                self.undefined(found, outside, Some(*to), args.map(operand));
-            }
-            Inst::Begin { to, zero, site } => {
-                self.copy(*to, *zero);
-                if let Some(assigned) = self.assigned[to.file() as usize].get_mut(&to.reg) {
-                    *assigned = Mask::NONE;
-                    self.substitute(HazardKind::Unset, *site, Mask::ALL, *to);
-                }
-            }
+            Inst::Word1 { op, to, a, site } => self.word1(*op, *to, *a, *site),
+            Inst::Word2 { op, to, a, b, site } => self.word2(*op, *to, [*a, *b], *site),
+            Inst::Field { op, to, args, site } => self.field(*op, *to, *args, *site),
+            Inst::Guard { what, to, from, args, site } => self.guard(*what, *to, *from, *args, *site),
+            Inst::GuardWords { signed, to, from, args, site } => self.guard_words(*signed, *to, *from, *args, *site),
+            Inst::Begin { to, zero, site } => self.come_to_life(*to, *zero, *site),
             Inst::Read { from, kind, site } => self.read(*from, *kind, *site),
             Inst::Overlap { of, equal, site } => self.overlap(*of, *equal, *site),
             Inst::Texel { table, index, channel, inside, to, site } => {
-                let table = &self.executable.tables[*table as usize];
-                let index = self.words[*index as usize];
                 let inside = inside.map_or(Mask::ALL, |reg| Mask::of(&self.words[reg as usize]));
-                let outside = self.active.minus(inside);
-                if !outside.is_empty() {
-                    self.domain.doubt(*site, &outside);
-                }
-                let word = |slot: usize| table.get(4 * index[slot] as usize + usize::from(*channel)).copied();
-                let found = |slot: usize| if inside.has(slot) { word(slot).unwrap_or(0) } else { 0 };
-                self.words[*to as usize] = std::array::from_fn(found);
-                let of = Undefined { kind: HazardKind::Index, site: *site, what: None };
-                self.undefined(of, outside, Some(Register { scalar: Scalar::I32, reg: *to }), [Operand::None; 2]);
+                self.texel(*table, *index, *channel, inside, *to, *site);
             }
             Inst::Select { to, condition, accept, reject } => {
                 let mask = Mask::of(&self.words[*condition as usize]);
@@ -342,15 +238,7 @@ impl<'e, D: Domain> Machine<'e, D> {
                 self.astray(strays, choices);
             }
             Inst::Scatter { index, choices, strays } => self.scatter(*index, choices, strays),
-            Inst::If { condition, accept, reject } => {
-                let (before, condition) = (self.active, Mask::of(&self.words[*condition as usize]));
-                self.active = before.and(condition);
-                self.block(accept);
-                let accepted = self.active;
-                self.active = before.minus(condition);
-                self.block(reject);
-                self.active = self.active.or(accepted);
-            }
+            Inst::If { condition, accept, reject } => self.branch(*condition, accept, reject),
             Inst::Switch { selector, cases } => self.switch(*selector, cases),
             Inst::Loop { body, continuing, break_if, site } => self.repeat(body, continuing, *break_if, *site),
             Inst::Call { body } => {
@@ -358,37 +246,13 @@ impl<'e, D: Domain> Machine<'e, D> {
                 self.block(body);
                 self.active = before.minus(self.stopped);
             }
-            Inst::Break => {
-                if let Some(around) = self.breakable.last_mut() {
-                    around.left = around.left.or(self.active);
-                }
-                self.active = Mask::NONE;
-            }
-            Inst::Continue => {
-                let mut around = self.breakable.iter_mut().rev();
-                if let Some(next) = around.find_map(|b| b.next.as_mut()) {
-                    *next = next.or(self.active);
-                }
-                self.active = Mask::NONE;
-            }
+            Inst::Break => self.leave(),
+            Inst::Continue => self.go_on(),
             Inst::Return => self.active = Mask::NONE,
-            Inst::Kill => {
-                self.report(HazardKind::Killed, Site::new(0), Mask::ALL);
-                self.stopped = self.stopped.or(self.active);
-                self.active = Mask::NONE;
-            }
+            Inst::Kill => self.kill(),
             // A program with shared memory is run by a group, which does these itself.
             Inst::Memory(_) | Inst::Length { .. } | Inst::Barrier { .. } | Inst::Fence { .. } | Inst::Subgroup(_) => {}
-            Inst::Agree { first, others, site } => {
-                let first = &self.words[*first as usize];
-                let differs = |slot: usize| others.iter().any(|&reg| self.words[reg as usize][slot] != first[slot]);
-                let mask = Mask::where_(differs);
-                let mask = mask.and(self.active);
-                if !mask.is_empty() {
-                    self.report(HazardKind::Divergence, *site, mask);
-                    self.domain.give_up(*site, &mask);
-                }
-            }
+            Inst::Agree { first, others, site } => self.agree(*first, others, *site),
             Inst::EmitVertex => self.emit_vertex(),
             Inst::EndPrimitive => {
                 for slot in self.active.slots() {
@@ -398,17 +262,37 @@ impl<'e, D: Domain> Machine<'e, D> {
         }
     }
 
+    /// Writes a column of real numbers, which is taken out of its file meanwhile, so that all others can be read.
+    #[inline]
+    fn write_real(&mut self, to: Reg, write: impl FnOnce(&mut Self, &mut D::Column)) {
+        let mut out = take(&mut self.reals[to as usize]);
+        write(self, &mut out);
+        self.reals[to as usize] = out;
+    }
+
+    /// A word of a texel, 0 in slots that are not `inside`.
+    #[inline]
+    fn texel(&mut self, table: u32, index: Reg, channel: u8, inside: Mask, to: Reg, site: Site) {
+        let table = &self.executable.tables[table as usize];
+        let index = self.words[index as usize];
+        let outside = self.active.minus(inside);
+        if !outside.is_empty() {
+            self.domain.doubt(site, &outside);
+        }
+        let word = |slot: usize| table.get(4 * index[slot] as usize + usize::from(channel)).copied();
+        let found = |slot: usize| if inside.has(slot) { word(slot).unwrap_or(0) } else { 0 };
+        self.words[to as usize] = std::array::from_fn(found);
+        let of = Undefined { kind: HazardKind::Index, site, what: None };
+        self.undefined(of, outside, Some(Register { scalar: Scalar::I32, reg: to }), [Operand::None; 2]);
+    }
+
     pub(super) fn copy(&mut self, to: Register, from: u32) {
         let (at, from) = (to.reg as usize, from as usize);
         if at == from {
             return;
         }
         match to.file() {
-            File::Real => {
-                let mut out = take(&mut self.reals[at]);
-                self.domain.copy(&self.reals[from], &mut out);
-                self.reals[at] = out;
-            }
+            File::Real => self.write_real(to.reg, |this, out| this.domain.copy(&this.reals[from], out)),
             File::Word => self.words[at] = self.words[from],
         }
     }
@@ -422,11 +306,7 @@ impl<'e, D: Domain> Machine<'e, D> {
             return;
         }
         match to.file() {
-            File::Real => {
-                let mut out = take(&mut self.reals[at]);
-                self.domain.merge(mask, &self.reals[from], &mut out);
-                self.reals[at] = out;
-            }
+            File::Real => self.write_real(to.reg, |this, out| this.domain.merge(mask, &this.reals[from], out)),
             File::Word => {
                 let from = self.words[from];
                 mask.merge(&from, &mut self.words[at]);
@@ -446,70 +326,6 @@ impl<'e, D: Domain> Machine<'e, D> {
             rest = rest.minus(same);
         }
         groups
-    }
-
-    fn switch(&mut self, selector: u32, cases: &'e [super::code::Case]) {
-        let before = self.active;
-        let selector = self.words[selector as usize];
-        let matching = |value: u32| Mask::where_(|slot| selector[slot] == value).and(before);
-        let named = cases.iter().filter_map(|case| case.value).fold(Mask::NONE, |all, value| all.or(matching(value)));
-        self.breakable.push(Breakable::default());
-        let (mut falling, mut done) = (Mask::NONE, Mask::NONE);
-        for case in cases {
-            let own = case.value.map_or(before.minus(named), matching);
-            self.active = falling.or(own);
-            self.block(&case.body);
-            if case.fall_through {
-                falling = self.active;
-            } else {
-                falling = Mask::NONE;
-                done = done.or(self.active);
-            }
-        }
-        let left = self.breakable.pop().unwrap_or_default().left;
-        let has_default = cases.iter().any(|case| case.value.is_none());
-        let unmatched = if has_default { Mask::NONE } else { before.minus(named) };
-        self.active = done.or(falling).or(left).or(unmatched);
-    }
-
-    fn repeat(&mut self, body: &'e [Inst], continuing: &'e [Inst], break_if: Option<u32>, site: Site) {
-        self.breakable.push(Breakable { left: Mask::NONE, next: Some(Mask::NONE) });
-        while !self.active.is_empty() {
-            let dry = Mask::where_(|slot| self.fuel[slot] == 0).and(self.active);
-            if !dry.is_empty() {
-                self.report(HazardKind::Fuel, site, dry);
-                self.stopped = self.stopped.or(dry);
-                self.active = self.active.minus(dry);
-            }
-            if self.domain.is_full() {
-                self.domain.give_up(site, &self.active);
-                self.stopped = self.stopped.or(self.active);
-                self.active = Mask::NONE;
-            }
-            self.chunk_rounds += 1;
-            self.rounds += 1;
-            if self.chunk_rounds > LAST_ROUNDS && interrupt::asked() {
-                self.report(HazardKind::GivenUp, site, self.active);
-                self.domain.give_up(site, &self.active);
-                self.stopped = self.stopped.or(self.active);
-                self.active = Mask::NONE;
-            }
-            for (slot, fuel) in self.fuel.iter_mut().enumerate() {
-                *fuel -= u32::from(self.active.has(slot));
-            }
-            self.block(body);
-            let next = self.breakable.last_mut().and_then(|b| b.next.as_mut()).map_or(Mask::NONE, take);
-            self.active = self.active.or(next);
-            self.block(continuing);
-            if let Some(reg) = break_if {
-                let leaves = Mask::of(&self.words[reg as usize]).and(self.active);
-                if let Some(around) = self.breakable.last_mut() {
-                    around.left = around.left.or(leaves);
-                }
-                self.active = self.active.minus(leaves);
-            }
-        }
-        self.active = self.breakable.pop().unwrap_or_default().left;
     }
 
     fn emit_vertex(&mut self) {

@@ -13,6 +13,7 @@
 mod allocate;
 mod code;
 mod compile;
+mod control;
 mod domain;
 pub mod group;
 mod guarded;

@@ -7,7 +7,7 @@
 use std::collections::HashSet;
 
 use super::code::{Guarded, Reg, Register};
-use super::domain::{Domain, Site};
+use super::domain::{Domain, Site, ToWords};
 use super::machine::Machine;
 use super::meaning::HazardKind;
 use super::plain::Binary64;
@@ -100,6 +100,52 @@ impl<D: Domain> Machine<'_, D> {
         let word = |reg: Reg, slot: usize| self.words[reg as usize][slot];
         let slots = equal.map_or(Mask::ALL, |[a, b]| Mask::where_(|slot| word(a, slot) == word(b, slot)));
         self.undefined(Undefined { kind: HazardKind::Overlap, site, what: None }, slots, Some(of), [Operand::None; 2]);
+    }
+
+    /// A number as an integer, which says nothing where the number does not fit.
+    #[inline]
+    pub(super) fn convert(&mut self, op: ToWords, to: Reg, a: Reg, site: Site) {
+        let (from, out) = (&self.reals[a as usize], &mut self.words[to as usize]);
+        let mut outside = self.domain.words_of(site, op, &self.active, from, out);
+        if self.executable.written == Written::Wgsl && !outside.is_empty() {
+            outside = outside.and(Mask::where_(|slot| self.domain.shown(from, slot).is_nan()));
+        }
+        let to = Register { scalar: Scalar::I32, reg: to };
+        let found = Undefined { kind: HazardKind::Conversion, site, what: None };
+        self.undefined(found, outside, Some(to), [Operand::Real(a), Operand::None]);
+    }
+
+    /// Copies the result of a function, and notes the slots in which it is undefined.
+    #[inline]
+    pub(super) fn guard(&mut self, what: Guarded, to: Reg, from: Reg, args: [Reg; 2], site: Site) {
+        let to = Register { scalar: Scalar::F32, reg: to };
+        self.copy(to, from);
+        let [x, y] = args.map(|reg| &self.reals[reg as usize]);
+        let outside = self.domain.outside(what, &self.active, x, y);
+        let found = Undefined { kind: HazardKind::Argument, site, what: Some(what) };
+        self.undefined(found, outside, Some(to), args.map(Operand::Real));
+    }
+
+    /// The same for `clamp` of integers.
+    #[inline]
+    pub(super) fn guard_words(&mut self, signed: bool, to: Register, from: Reg, args: [Reg; 2], site: Site) {
+        self.copy(to, from);
+        let [low, high] = args.map(|reg| &self.words[reg as usize]);
+        let number = |word: u32| if signed { i64::from(word.cast_signed()) } else { i64::from(word) };
+        let outside = Mask::where_(|slot| number(low[slot]) > number(high[slot]));
+        let found = Undefined { kind: HazardKind::Argument, site, what: Some(Guarded::Clamp) };
+        let operand = if signed { Operand::Signed } else { Operand::Unsigned };
+        self.undefined(found, outside, Some(to), args.map(operand));
+    }
+
+    /// A variable comes to life without a value.
+    #[inline]
+    pub(super) fn come_to_life(&mut self, to: Register, zero: Reg, site: Site) {
+        self.copy(to, zero);
+        if let Some(assigned) = self.assigned[to.file() as usize].get_mut(&to.reg) {
+            *assigned = Mask::NONE;
+            self.substitute(HazardKind::Unset, site, Mask::ALL, to);
+        }
     }
 
     fn note(&mut self, of: Undefined, slots: Mask, args: [Operand; 2]) {

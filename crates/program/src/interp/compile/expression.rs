@@ -128,30 +128,15 @@ impl<'m> Compiler<'m> {
                     registers.ok_or_else(|| InterpError::internal("a variable of another function".to_owned()))?;
                 return Ok(Self::whole(registers, false));
             }
-            Expression::Load { pointer } => {
-                let inner = self.pointee(frame, pointer);
-                if let Value::Pointer(place @ Pointer { memory: Some(_), .. }) = self.value(frame, pointer)? {
-                    let loaded = self.load_shared(site, &place, &inner).map_err(|what| unsupported(what, span))?;
-                    let loaded = self.narrowed(site, &loaded);
-                    return Ok(Value::Registers(loaded.into()));
-                }
-                let len = types::count(self.module, &inner).map_err(|what| unsupported(what, span))?;
-                let pointer = self.pointer(frame, pointer)?;
-                let loaded = self.load(frame, site, &pointer, len)?;
-                self.narrowed(site, &loaded)
-            }
+            Expression::Load { pointer } => self.loaded(frame, site, pointer, span)?,
             Expression::Unary { op, expr } => self.unary_operator(frame, site, op, expr)?,
             Expression::Binary { op, left, right } => self.binary_operator(frame, site, op, left, right)?,
             Expression::Select { condition, accept, reject } => {
                 let condition = self.registers(frame, condition)?;
-                let accept = self.registers(frame, accept)?;
-                let reject = self.registers(frame, reject)?;
-                let mut all = Vec::with_capacity(accept.len());
-                for (k, (accept, reject)) in accept.iter().zip(reject.iter()).enumerate() {
-                    let condition = if condition.len() == 1 { condition[0] } else { condition[k] };
-                    all.push(self.select(condition, *accept, *reject));
-                }
-                all
+                let (accept, reject) = (self.registers(frame, accept)?, self.registers(frame, reject)?);
+                let condition = |k: usize| if condition.len() == 1 { condition[0] } else { condition[k] };
+                let pairs = accept.iter().zip(reject.iter()).enumerate();
+                pairs.map(|(k, (&accept, &reject))| self.select(condition(k), accept, reject)).collect()
             }
             Expression::Relational { fun, argument } => self.relational(frame, site, fun, argument)?,
             Expression::Math { fun, arg, arg1, arg2, arg3 } => {
@@ -190,6 +175,25 @@ impl<'m> Compiler<'m> {
             }
         };
         Ok(Value::Registers(registers.into()))
+    }
+
+    /// What a pointer leads to.
+    fn loaded(
+        &mut self,
+        frame: &mut Frame<'m>,
+        site: Site,
+        pointer: Handle<Expression>,
+        span: naga::Span,
+    ) -> Result<Vec<Register>, InterpError> {
+        let inner = self.pointee(frame, pointer);
+        let place = self.pointer(frame, pointer)?;
+        let loaded = if place.memory.is_some() {
+            self.load_shared(site, &place, &inner).map_err(|what| unsupported(what, span))?
+        } else {
+            let len = types::count(self.module, &inner).map_err(|what| unsupported(what, span))?;
+            self.load(frame, site, &place, len)?
+        };
+        Ok(self.narrowed(site, &loaded))
     }
 
     fn literal(&mut self, literal: Literal, site: Option<Site>, span: naga::Span) -> Result<Register, InterpError> {

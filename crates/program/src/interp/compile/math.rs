@@ -21,25 +21,24 @@ impl Compiler<'_> {
         first: &TypeInner,
         span: naga::Span,
     ) -> Result<Vec<Register>, InterpError> {
+        self.math_of(site, fun, args, first).ok_or_else(|| unsupported(format!("`{fun:?}` of this type"), span))
+    }
+
+    /// `None` for types that have no such function.
+    fn math_of(&mut self, site: Site, fun: MathFunction, args: &Args, first: &TypeInner) -> Option<Vec<Register>> {
         use MathFunction as Mf;
-        let refuse = || unsupported(format!("`{fun:?}` of this type"), span);
-        let unary = |this: &mut Self, op| each(args, |v| Some(this.real1(site, op, real(v[0])?))).ok_or_else(refuse);
-        let binary = |this: &mut Self, op| {
-            each(args, |v| Some(this.real2(site, op, real(v[0])?, real(v[1])?))).ok_or_else(refuse)
-        };
+        let unary = |this: &mut Self, op| each(args, |v| Some(this.real1(site, op, real(v[0])?)));
         let guarded1 = |this: &mut Self, op, what| {
             each(args, |v| {
                 let found = this.real1(site, op, real(v[0])?);
                 Some(this.guard(site, what, found, [v[0], v[0]]))
             })
-            .ok_or_else(refuse)
         };
         let guarded2 = |this: &mut Self, op, what| {
             each(args, |v| {
                 let found = this.real2(site, op, real(v[0])?, real(v[1])?);
                 Some(this.guard(site, what, found, [v[0], v[1]]))
             })
-            .ok_or_else(refuse)
         };
         let bits = |this: &mut Self, signed, unsigned| {
             each(args, |v| match v[0].scalar {
@@ -47,38 +46,8 @@ impl Compiler<'_> {
                 Scalar::U32 => Some(this.word1(site, unsigned, v[0], Scalar::U32)),
                 Scalar::F32 | Scalar::Bool => None,
             })
-            .ok_or_else(refuse)
         };
         match fun {
-            Mf::Abs => each(args, |v| match v[0].scalar {
-                Scalar::F32 => Some(self.real1(site, Unary::Abs, v[0])),
-                Scalar::I32 => Some(self.word1(site, Word1::Abs, v[0], Scalar::I32)),
-                Scalar::U32 => Some(v[0]),
-                Scalar::Bool => None,
-            })
-            .ok_or_else(refuse),
-            Mf::Sign => each(args, |v| match v[0].scalar {
-                Scalar::F32 => Some(self.real1(site, Unary::Sign, v[0])),
-                Scalar::I32 => Some(self.word1(site, Word1::Sign, v[0], Scalar::I32)),
-                Scalar::U32 | Scalar::Bool => None,
-            })
-            .ok_or_else(refuse),
-            Mf::Min => each(args, |v| self.least(site, v[0], v[1])).ok_or_else(refuse),
-            Mf::Max => each(args, |v| self.greatest(site, v[0], v[1])).ok_or_else(refuse),
-            Mf::Clamp => each(args, |v| {
-                let raised = self.greatest(site, v[0], v[1])?;
-                let found = self.least(site, raised, v[2])?;
-                Some(self.guard(site, Guarded::Clamp, found, [v[1], v[2]]))
-            })
-            .ok_or_else(refuse),
-            Mf::Saturate => {
-                let (zero, one) = (self.real(0.0, None), self.real(1.0, None));
-                each(args, |v| {
-                    let raised = self.greatest(site, real(v[0])?, zero)?;
-                    self.least(site, raised, one)
-                })
-                .ok_or_else(refuse)
-            }
             Mf::Cos => unary(self, Unary::Cos),
             Mf::Cosh => unary(self, Unary::Cosh),
             Mf::Sin => unary(self, Unary::Sin),
@@ -99,27 +68,6 @@ impl Compiler<'_> {
             Mf::Round => unary(self, Unary::Round),
             Mf::Fract => unary(self, Unary::Fract),
             Mf::Trunc => unary(self, Unary::Trunc),
-            Mf::Modf => {
-                let whole = unary(self, Unary::Trunc)?;
-                let mut all: Vec<Register> = args[0]
-                    .iter()
-                    .zip(&whole)
-                    .map(|(&x, &whole)| self.real2(site, Binary::Subtract, x, whole))
-                    .collect();
-                all.extend(whole);
-                Ok(all)
-            }
-            Mf::Frexp => {
-                let mut all = unary(self, Unary::FrexpFraction)?;
-                all.extend(args[0].iter().map(|&x| self.words_of(site, ToWords::FrexpExponent, x, Scalar::I32)));
-                Ok(all)
-            }
-            Mf::Ldexp => each(args, |v| {
-                let to = self.temporary();
-                self.push(Inst::Scale { to, a: real(v[0])?.reg, exponent: v[1].reg, site });
-                Some(Register { scalar: Scalar::F32, reg: to })
-            })
-            .ok_or_else(refuse),
             Mf::Exp => unary(self, Unary::Exp),
             Mf::Exp2 => unary(self, Unary::Exp2),
             Mf::Log => guarded1(self, Unary::Log, Guarded::Log),
@@ -128,27 +76,19 @@ impl Compiler<'_> {
             Mf::Sqrt => guarded1(self, Unary::Sqrt, Guarded::Sqrt),
             Mf::InverseSqrt => guarded1(self, Unary::InverseSqrt, Guarded::InverseSqrt),
             Mf::QuantizeToF16 => guarded1(self, Unary::Half, Guarded::Half),
-            Mf::Step => binary(self, Binary::Step),
-            Mf::Fma => each(args, |v| {
-                let product = self.real2(site, Binary::Multiply, real(v[0])?, real(v[1])?);
-                Some(self.real2(site, Binary::Add, product, real(v[2])?))
-            })
-            .ok_or_else(refuse),
-            Mf::Mix => {
-                let one = self.real(1.0, None);
-                each(args, |v| {
-                    let rest = self.real2(site, Binary::Subtract, one, real(v[2])?);
-                    let x = self.real2(site, Binary::Multiply, real(v[0])?, rest);
-                    let y = self.real2(site, Binary::Multiply, real(v[1])?, v[2]);
-                    Some(self.real2(site, Binary::Add, x, y))
-                })
-                .ok_or_else(refuse)
-            }
-            Mf::SmoothStep => each(args, |v| {
-                let found = self.smooth_step(site, real(v[0])?, real(v[1])?, real(v[2])?)?;
-                Some(self.guard(site, Guarded::SmoothStep, found, [v[0], v[1]]))
-            })
-            .ok_or_else(refuse),
+            Mf::Abs
+            | Mf::Sign
+            | Mf::Min
+            | Mf::Max
+            | Mf::Clamp
+            | Mf::Saturate
+            | Mf::Modf
+            | Mf::Frexp
+            | Mf::Ldexp
+            | Mf::Step
+            | Mf::Fma
+            | Mf::Mix
+            | Mf::SmoothStep => self.composed(site, fun, args),
             Mf::Dot
             | Mf::Outer
             | Mf::Cross
@@ -160,7 +100,7 @@ impl Compiler<'_> {
             | Mf::Refract
             | Mf::Inverse
             | Mf::Transpose
-            | Mf::Determinant => self.geometric(site, fun, args, first).ok_or_else(refuse),
+            | Mf::Determinant => self.geometric(site, fun, args, first),
             Mf::CountTrailingZeros => bits(self, Word1::TrailingZeros, Word1::TrailingZeros),
             Mf::CountLeadingZeros => bits(self, Word1::LeadingZeros, Word1::LeadingZeros),
             Mf::CountOneBits => bits(self, Word1::Ones, Word1::Ones),
@@ -174,28 +114,94 @@ impl Compiler<'_> {
                     Scalar::F32 | Scalar::Bool => return None,
                 };
                 Some(self.field(Some(site), op, [v[0], v[1], v[2], v[2]]))
-            })
-            .ok_or_else(refuse),
-            Mf::InsertBits => {
-                each(args, |v| Some(self.field(Some(site), Field::Insert, [v[0], v[1], v[2], v[3]]))).ok_or_else(refuse)
+            }),
+            Mf::InsertBits => each(args, |v| Some(self.field(Some(site), Field::Insert, [v[0], v[1], v[2], v[3]]))),
+            Mf::Dot4I8Packed => Some(self.packed_dot(site, args, Field::ExtractSigned, Scalar::I32)),
+            Mf::Dot4U8Packed => Some(self.packed_dot(site, args, Field::ExtractUnsigned, Scalar::U32)),
+            Mf::Pack4x8snorm => Some(self.pack_fractions(site, args, 8, true)),
+            Mf::Pack4x8unorm => Some(self.pack_fractions(site, args, 8, false)),
+            Mf::Pack2x16snorm => Some(self.pack_fractions(site, args, 16, true)),
+            Mf::Pack2x16unorm => Some(self.pack_fractions(site, args, 16, false)),
+            Mf::Pack2x16float => Some(self.pack_halves(site, args)),
+            Mf::Pack4xI8 | Mf::Pack4xU8 => Some(vec![self.pack(&args[0], 8)]),
+            Mf::Pack4xI8Clamp => Some(self.pack_clamped(site, args, (-128, 127))),
+            Mf::Pack4xU8Clamp => Some(self.pack_clamped(site, args, (0, 255))),
+            Mf::Unpack4x8snorm => Some(self.unpack_fractions(site, args, 8, true)),
+            Mf::Unpack4x8unorm => Some(self.unpack_fractions(site, args, 8, false)),
+            Mf::Unpack2x16snorm => Some(self.unpack_fractions(site, args, 16, true)),
+            Mf::Unpack2x16unorm => Some(self.unpack_fractions(site, args, 16, false)),
+            Mf::Unpack2x16float => Some(self.unpack_halves(site, args)),
+            Mf::Unpack4xI8 => Some(self.unpack(args[0][0], 8, Field::ExtractSigned, Scalar::I32)),
+            Mf::Unpack4xU8 => Some(self.unpack(args[0][0], 8, Field::ExtractUnsigned, Scalar::U32)),
+        }
+    }
+
+    /// Functions that are several operations, or others for other types (GLSL 4.60, 8.3). `None` for the rest of them.
+    fn composed(&mut self, site: Site, fun: MathFunction, args: &Args) -> Option<Vec<Register>> {
+        use MathFunction as Mf;
+        match fun {
+            Mf::Abs => each(args, |v| match v[0].scalar {
+                Scalar::F32 => Some(self.real1(site, Unary::Abs, v[0])),
+                Scalar::I32 => Some(self.word1(site, Word1::Abs, v[0], Scalar::I32)),
+                Scalar::U32 => Some(v[0]),
+                Scalar::Bool => None,
+            }),
+            Mf::Sign => each(args, |v| match v[0].scalar {
+                Scalar::F32 => Some(self.real1(site, Unary::Sign, v[0])),
+                Scalar::I32 => Some(self.word1(site, Word1::Sign, v[0], Scalar::I32)),
+                Scalar::U32 | Scalar::Bool => None,
+            }),
+            Mf::Min => each(args, |v| self.least(site, v[0], v[1])),
+            Mf::Max => each(args, |v| self.greatest(site, v[0], v[1])),
+            Mf::Clamp => each(args, |v| {
+                let raised = self.greatest(site, v[0], v[1])?;
+                let found = self.least(site, raised, v[2])?;
+                Some(self.guard(site, Guarded::Clamp, found, [v[1], v[2]]))
+            }),
+            Mf::Saturate => {
+                let (zero, one) = (self.real(0.0, None), self.real(1.0, None));
+                each(args, |v| {
+                    let raised = self.greatest(site, real(v[0])?, zero)?;
+                    self.least(site, raised, one)
+                })
             }
-            Mf::Dot4I8Packed => Ok(self.packed_dot(site, args, Field::ExtractSigned, Scalar::I32)),
-            Mf::Dot4U8Packed => Ok(self.packed_dot(site, args, Field::ExtractUnsigned, Scalar::U32)),
-            Mf::Pack4x8snorm => Ok(self.pack_fractions(site, args, 8, true)),
-            Mf::Pack4x8unorm => Ok(self.pack_fractions(site, args, 8, false)),
-            Mf::Pack2x16snorm => Ok(self.pack_fractions(site, args, 16, true)),
-            Mf::Pack2x16unorm => Ok(self.pack_fractions(site, args, 16, false)),
-            Mf::Pack2x16float => Ok(self.pack_halves(site, args)),
-            Mf::Pack4xI8 | Mf::Pack4xU8 => Ok(vec![self.pack(&args[0], 8)]),
-            Mf::Pack4xI8Clamp => Ok(self.pack_clamped(site, args, (-128, 127))),
-            Mf::Pack4xU8Clamp => Ok(self.pack_clamped(site, args, (0, 255))),
-            Mf::Unpack4x8snorm => Ok(self.unpack_fractions(site, args, 8, true)),
-            Mf::Unpack4x8unorm => Ok(self.unpack_fractions(site, args, 8, false)),
-            Mf::Unpack2x16snorm => Ok(self.unpack_fractions(site, args, 16, true)),
-            Mf::Unpack2x16unorm => Ok(self.unpack_fractions(site, args, 16, false)),
-            Mf::Unpack2x16float => Ok(self.unpack_halves(site, args)),
-            Mf::Unpack4xI8 => Ok(self.unpack(args[0][0], 8, Field::ExtractSigned, Scalar::I32)),
-            Mf::Unpack4xU8 => Ok(self.unpack(args[0][0], 8, Field::ExtractUnsigned, Scalar::U32)),
+            Mf::Modf => {
+                let whole = each(args, |v| Some(self.real1(site, Unary::Trunc, real(v[0])?)))?;
+                let pairs = args[0].iter().zip(&whole);
+                let mut all: Vec<Register> =
+                    pairs.map(|(&x, &whole)| self.real2(site, Binary::Subtract, x, whole)).collect();
+                all.extend(whole);
+                Some(all)
+            }
+            Mf::Frexp => {
+                let mut all = each(args, |v| Some(self.real1(site, Unary::FrexpFraction, real(v[0])?)))?;
+                all.extend(args[0].iter().map(|&x| self.words_of(site, ToWords::FrexpExponent, x, Scalar::I32)));
+                Some(all)
+            }
+            Mf::Ldexp => each(args, |v| {
+                let to = self.temporary();
+                self.push(Inst::Scale { to, a: real(v[0])?.reg, exponent: v[1].reg, site });
+                Some(Register { scalar: Scalar::F32, reg: to })
+            }),
+            Mf::Step => each(args, |v| Some(self.real2(site, Binary::Step, real(v[0])?, real(v[1])?))),
+            Mf::Fma => each(args, |v| {
+                let product = self.real2(site, Binary::Multiply, real(v[0])?, real(v[1])?);
+                Some(self.real2(site, Binary::Add, product, real(v[2])?))
+            }),
+            Mf::Mix => {
+                let one = self.real(1.0, None);
+                each(args, |v| {
+                    let rest = self.real2(site, Binary::Subtract, one, real(v[2])?);
+                    let x = self.real2(site, Binary::Multiply, real(v[0])?, rest);
+                    let y = self.real2(site, Binary::Multiply, real(v[1])?, v[2]);
+                    Some(self.real2(site, Binary::Add, x, y))
+                })
+            }
+            Mf::SmoothStep => each(args, |v| {
+                let found = self.smooth_step(site, real(v[0])?, real(v[1])?, real(v[2])?)?;
+                Some(self.guard(site, Guarded::SmoothStep, found, [v[0], v[1]]))
+            }),
+            _ => None,
         }
     }
 

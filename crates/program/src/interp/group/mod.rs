@@ -28,8 +28,9 @@ mod whole;
 use naga::BuiltIn;
 
 use super::code::{Executable, Inst};
+use super::control::Breakable;
 use super::domain::Site;
-use super::machine::{Breakable, Machine};
+use super::machine::Machine;
 use super::meaning::{Finding, HazardKind};
 use super::plain::{Column, Number, Plain};
 use super::slots::{Mask, SLOTS};
