@@ -42,14 +42,48 @@ fn input(name: &str, stage: Stage) -> Option<(BuiltIn, Type)> {
     })
 }
 
+/// How a built-in output leaves its stage.
+enum Output {
+    /// naga has it under this name.
+    BuiltIn(BuiltIn),
+    /// naga has none: it is a varying like others, at this location or the next one that is free.
+    Varying(Option<u32>),
+    /// The stage is none that naga has: only the harness reads it.
+    Harness,
+}
+
+/// An output of a stage that is no variable of the author.
+fn output(name: &str, stage: Stage) -> Option<Output> {
+    Some(match (stage, name) {
+        (Stage::Vertex, "gl_Position") => Output::BuiltIn(BuiltIn::Position { invariant: false }),
+        (Stage::Vertex, "gl_PointSize") => Output::BuiltIn(BuiltIn::PointSize),
+        (Stage::Vertex, "gl_ClipDistance") => Output::BuiltIn(BuiltIn::ClipDistances),
+        (Stage::Vertex, "gl_CullDistance") => Output::BuiltIn(BuiltIn::CullDistance),
+        (Stage::Vertex, "gl_Layer" | "gl_ViewportIndex") => Output::Varying(None),
+        (Stage::Vertex, _) if is_old_varying(name) && !is_old_attribute(name) => Output::Varying(None),
+        (Stage::Fragment, "gl_FragDepth" | "gl_FragDepthEXT") => Output::BuiltIn(BuiltIn::FragDepth),
+        (Stage::Fragment, "gl_SampleMask") => Output::BuiltIn(BuiltIn::SampleMask),
+        (Stage::Fragment, "gl_FragColor" | "gl_FragData") => Output::Varying(Some(0)),
+        (
+            Stage::Geometry | Stage::TessEvaluation,
+            "gl_Position" | "gl_PointSize" | "gl_ClipDistance" | "gl_CullDistance" | "gl_Layer" | "gl_ViewportIndex",
+        )
+        | (Stage::Geometry, "gl_PrimitiveID")
+        | (Stage::TessControl, "gl_out" | "gl_TessLevelOuter" | "gl_TessLevelInner") => Output::Harness,
+        (Stage::Geometry, _) if is_old_varying(name) => Output::Harness,
+        _ => return None,
+    })
+}
+
+/// Those of the old pipeline that the host gives to each vertex.
+fn is_old_attribute(name: &str) -> bool {
+    matches!(name, "gl_Vertex" | "gl_Normal" | "gl_Color" | "gl_SecondaryColor" | "gl_FogCoord")
+        || name.starts_with("gl_MultiTexCoord")
+}
+
 /// Variables of the old pipeline that go from the host to the vertex stage, or from stage to stage.
 fn is_old_varying(name: &str) -> bool {
     let names = [
-        "gl_Vertex",
-        "gl_Normal",
-        "gl_Color",
-        "gl_SecondaryColor",
-        "gl_FogCoord",
         "gl_FrontColor",
         "gl_BackColor",
         "gl_FrontSecondaryColor",
@@ -58,7 +92,7 @@ fn is_old_varying(name: &str) -> bool {
         "gl_FogFragCoord",
         "gl_ClipVertex",
     ];
-    names.contains(&name) || name.starts_with("gl_MultiTexCoord")
+    names.contains(&name) || is_old_attribute(name)
 }
 
 impl Build<'_> {
@@ -136,75 +170,17 @@ impl Build<'_> {
             self.built_in_input(name, (&given, &kept), (handle, path), built_in, span)?;
             return Ok(handle);
         }
+        if let Some(output) = output(name, stage) {
+            return self.make_output(name, ty, output, written, span);
+        }
         match (stage, name) {
-            (_, "gl_Position" | "gl_PointSize" | "gl_ClipDistance" | "gl_CullDistance")
-                if matches!(stage, Stage::Vertex | Stage::Geometry | Stage::TessEvaluation) =>
-            {
-                let handle = self.private(name, ty, span)?;
-                if stage == Stage::Vertex {
-                    let built_in = match name {
-                        "gl_Position" => BuiltIn::Position { invariant: false },
-                        "gl_PointSize" => BuiltIn::PointSize,
-                        "gl_ClipDistance" => BuiltIn::ClipDistances,
-                        _ => BuiltIn::CullDistance,
-                    };
-                    self.built_in_output(name, ty, handle, Vec::new(), built_in);
-                }
-                if written {
-                    let ports = self.port_out(name, ty, handle, span)?;
-                    self.built_in_outputs.extend(ports);
-                }
-                Ok(handle)
-            }
-            (Stage::Fragment, "gl_FragDepth" | "gl_FragDepthEXT") => {
-                let handle = self.private(name, ty, span)?;
-                self.built_in_output(name, ty, handle, Vec::new(), BuiltIn::FragDepth);
-                let ports = self.port_out(name, ty, handle, span)?;
-                self.built_in_outputs.extend(ports);
-                Ok(handle)
-            }
-            (Stage::Fragment, "gl_SampleMask") => {
-                let handle = self.private(name, ty, span)?;
-                self.built_in_output(name, &Type::INT, handle, vec![0], BuiltIn::SampleMask);
-                let ports = self.port_out(name, ty, handle, span)?;
-                self.built_in_outputs.extend(ports);
-                Ok(handle)
-            }
-            (Stage::Fragment, "gl_FragColor" | "gl_FragData") => {
-                let handle = self.private(name, ty, span)?;
-                self.located_output(name, ty, (handle, &[]), Some(0), &[], span)?;
-                let ports = self.port_out(name, ty, handle, span)?;
-                self.built_in_outputs.extend(ports);
-                Ok(handle)
-            }
-            (Stage::Geometry, "gl_Layer" | "gl_ViewportIndex" | "gl_PrimitiveID")
-            | (Stage::TessEvaluation, "gl_Layer" | "gl_ViewportIndex")
-            | (Stage::TessControl, "gl_out" | "gl_TessLevelOuter" | "gl_TessLevelInner") => {
-                let handle = self.private(name, ty, span)?;
-                let ports = self.port_out(name, ty, handle, span)?;
-                self.built_in_outputs.extend(ports);
-                Ok(handle)
-            }
-            // naga has no such variables: they are varyings like others.
-            (Stage::Vertex, "gl_Layer" | "gl_ViewportIndex") => {
-                let handle = self.private(name, ty, span)?;
-                self.located_output(name, ty, (handle, &[]), None, &[], span)?;
-                let ports = self.port_out(name, ty, handle, span)?;
-                self.built_in_outputs.extend(ports);
-                Ok(handle)
-            }
             (
                 Stage::Fragment,
                 "gl_Layer" | "gl_ViewportIndex" | "gl_SamplePosition" | "gl_ClipDistance" | "gl_CullDistance",
-            ) => {
-                let handle = self.private(name, ty, span)?;
-                self.located_input(name, ty, (handle, &[]), None, &[], span)?;
-                Ok(handle)
-            }
+            ) => self.varying_in(name, ty, ty, span),
             (Stage::Fragment, "gl_HelperInvocation") => {
-                let handle = self.private(name, ty, span)?;
                 let start = self.incoming.len();
-                self.located_input(name, &Type::UINT, (handle, &[]), None, &[], span)?;
+                let handle = self.varying_in(name, ty, &Type::UINT, span)?;
                 // The argument is a number, which is turned where it is kept.
                 for incoming in self.incoming.iter_mut().skip(start) {
                     incoming.ty = Type::BOOL;
@@ -228,44 +204,8 @@ impl Build<'_> {
                 self.inputs.extend(others);
                 Ok(handle)
             }
-            (Stage::Compute, "gl_WorkGroupSize") => {
-                let handle = self.private(name, ty, span)?;
-                let parts: Vec<Handle<Expression>> = self
-                    .workgroup
-                    .into_iter()
-                    .map(|n| {
-                        self.module
-                            .global_expressions
-                            .append(Expression::Literal(Literal::U32(n)), naga::Span::UNDEFINED)
-                    })
-                    .collect();
-                let ty = self.value_type(ty, span)?;
-                let value = Expression::Compose { ty, components: parts };
-                let init = self.module.global_expressions.append(value, naga::Span::UNDEFINED);
-                self.module.global_variables[handle].init = Some(init);
-                Ok(handle)
-            }
-            (Stage::Vertex | Stage::Fragment | Stage::Geometry, _) if is_old_varying(name) => {
-                let handle = self.private(name, ty, span)?;
-                let output = match stage {
-                    Stage::Fragment => false,
-                    Stage::Vertex => {
-                        !matches!(name, "gl_Vertex" | "gl_Normal" | "gl_Color" | "gl_SecondaryColor" | "gl_FogCoord")
-                            && !name.starts_with("gl_MultiTexCoord")
-                    }
-                    _ => true,
-                };
-                if output {
-                    if stage != Stage::Geometry {
-                        self.located_output(name, ty, (handle, &[]), None, &[], span)?;
-                    }
-                    let ports = self.port_out(name, ty, handle, span)?;
-                    self.built_in_outputs.extend(ports);
-                } else {
-                    self.located_input(name, ty, (handle, &[]), None, &[], span)?;
-                }
-                Ok(handle)
-            }
+            (Stage::Compute, "gl_WorkGroupSize") => self.workgroup_size(name, ty, span),
+            (Stage::Vertex | Stage::Fragment, _) if is_old_varying(name) => self.varying_in(name, ty, ty, span),
             (_, _) if is_state(name) => self.uniform(name, ty, span),
             (Stage::Library, _) => self.private(name, ty, span),
             (_, _) => {
@@ -273,6 +213,51 @@ impl Build<'_> {
                 Err(self.unsupported(span, message, "pass the value as a variable of your own"))
             }
         }
+    }
+
+    fn make_output(
+        &mut self,
+        name: &str,
+        ty: &Type,
+        output: Output,
+        written: bool,
+        span: Span,
+    ) -> Result<Handle<GlobalVariable>> {
+        let handle = self.private(name, ty, span)?;
+        match output {
+            // The mask is an array of words, of which there is one.
+            Output::BuiltIn(BuiltIn::SampleMask) => {
+                self.built_in_output(name, &Type::INT, handle, vec![0], BuiltIn::SampleMask);
+            }
+            Output::BuiltIn(built_in) => self.built_in_output(name, ty, handle, Vec::new(), built_in),
+            Output::Varying(first) => self.located_output(name, ty, (handle, &[]), first, &[], span)?,
+            Output::Harness => {}
+        }
+        // What a vertex always has is an output only if the text writes it.
+        let of_vertex = matches!(name, "gl_Position" | "gl_PointSize" | "gl_ClipDistance" | "gl_CullDistance");
+        if written || !of_vertex {
+            let ports = self.port_out(name, ty, handle, span)?;
+            self.built_in_outputs.extend(ports);
+        }
+        Ok(handle)
+    }
+
+    /// An input that naga has no name for, as a varying of the type that naga takes for it.
+    fn varying_in(&mut self, name: &str, ty: &Type, given: &Type, span: Span) -> Result<Handle<GlobalVariable>> {
+        let handle = self.private(name, ty, span)?;
+        self.located_input(name, given, (handle, &[]), None, &[], span)?;
+        Ok(handle)
+    }
+
+    fn workgroup_size(&mut self, name: &str, ty: &Type, span: Span) -> Result<Handle<GlobalVariable>> {
+        let handle = self.private(name, ty, span)?;
+        let ty = self.value_type(ty, span)?;
+        let expressions = &mut self.module.global_expressions;
+        let mut add = |expression| expressions.append(expression, naga::Span::UNDEFINED);
+        let components = self.workgroup.map(|n| add(Expression::Literal(Literal::U32(n)))).to_vec();
+        let init = add(Expression::Compose { ty, components });
+        self.module.global_variables[handle].init = Some(init);
+        Ok(handle)
     }
 
     /// `gl_in` or `gl_out` with the members that the text names, so that only these are fed and read.

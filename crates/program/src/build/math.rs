@@ -169,58 +169,36 @@ impl Fun<'_, '_> {
             return Ok(value);
         }
         if let Some(fun) = each(function).or_else(|| one(function)) {
-            let signed = values[0].ty.scalar().is_some_and(ScalarType::is_signed);
-            let whole = matches!(function, F::Abs | F::Sign) && signed;
-            let words = matches!(fun, M::ReverseBits | M::Unpack4x8snorm | M::Unpack4x8unorm)
-                || matches!(fun, M::Unpack2x16snorm | M::Unpack2x16unorm | M::Unpack2x16float);
-            // The packed word is a `uint`, to which an `int` is converted.
-            let values = match (fun, whole || words) {
-                (M::ReverseBits, _) => values,
-                (_, true) if words => self.words(values)?,
-                (_, true) => values,
-                (M::Pack4x8snorm | M::Pack4x8unorm | M::Pack2x16snorm | M::Pack2x16unorm | M::Pack2x16float, _) => {
-                    vec![self.as_float(values[0].clone())?]
-                }
-                (_, false) => self.floating(values)?,
-            };
-            let e = self.math(fun, &[values[0].e]);
-            let ty = if ty.is_error() { values[0].ty.clone() } else { kept(ty, &values[0].ty, fun) };
-            return if whole { self.wrapped(Val { e, ty }) } else { Ok(Val { e, ty }) };
-        }
-        if function == F::Mix && values[2].ty.scalar() == Some(ScalarType::Bool) {
-            let condition = values[2].clone();
-            let pair = self.alike(vec![values[0].clone(), values[1].clone()])?;
-            let e = self.add(Expression::Select { condition: condition.e, accept: pair[1].e, reject: pair[0].e });
-            return Ok(Val { e, ty: pair[0].ty.clone() });
-        }
-        let fun = match function {
-            F::Min => Some(M::Min),
-            F::Max => Some(M::Max),
-            F::Clamp => Some(M::Clamp),
-            F::Pow => Some(M::Pow),
-            F::Mix => Some(M::Mix),
-            F::Step => Some(M::Step),
-            F::Smoothstep => Some(M::SmoothStep),
-            F::Fma => Some(M::Fma),
-            _ => None,
-        };
-        if let Some(fun) = fun {
-            let values = match function {
-                F::Min | F::Max | F::Clamp => values,
-                _ => self.floating(values)?,
-            };
-            let values = self.alike(values)?;
-            let ty = values[0].ty.clone();
-            let e: Vec<Expr> = values.iter().map(|v| v.e).collect();
-            return Ok(Val { e: self.math(fun, &e), ty });
-        }
-        if function == F::Ldexp {
-            let exponent = values[1].clone();
-            let values = self.floating(vec![values[0].clone()])?;
-            let e = self.math(M::Ldexp, &[values[0].e, exponent.e]);
-            return Ok(Val { e, ty: values[0].ty.clone() });
+            return self.of_one(function, fun, ty, values);
         }
         match function {
+            F::Mix if values[2].ty.scalar() == Some(ScalarType::Bool) => {
+                let pair = self.alike(values[..2].to_vec())?;
+                let (condition, accept, reject) = (values[2].e, pair[1].e, pair[0].e);
+                let e = self.add(Expression::Select { condition, accept, reject });
+                Ok(Val { e, ty: pair[0].ty.clone() })
+            }
+            F::Min | F::Max | F::Clamp | F::Pow | F::Mix | F::Step | F::Smoothstep | F::Fma => {
+                let (fun, whole) = match function {
+                    F::Min => (M::Min, true),
+                    F::Max => (M::Max, true),
+                    F::Clamp => (M::Clamp, true),
+                    F::Pow => (M::Pow, false),
+                    F::Mix => (M::Mix, false),
+                    F::Step => (M::Step, false),
+                    F::Smoothstep => (M::SmoothStep, false),
+                    _ => (M::Fma, false),
+                };
+                let values = if whole { values } else { self.floating(values)? };
+                let values = self.alike(values)?;
+                let e: Vec<Expr> = values.iter().map(|v| v.e).collect();
+                Ok(Val { e: self.math(fun, &e), ty: values[0].ty.clone() })
+            }
+            F::Ldexp => {
+                let exponent = values[1].e;
+                let value = self.floating(vec![values[0].clone()])?.remove(0);
+                Ok(Val { e: self.math(M::Ldexp, &[value.e, exponent]), ty: value.ty })
+            }
             F::Atan => {
                 let values = self.floating(values)?;
                 let e: Vec<Expr> = values.iter().map(|v| v.e).collect();
@@ -236,36 +214,6 @@ impl Fun<'_, '_> {
                 let floor = self.math(M::Floor, &[ratio]);
                 let whole = self.op(B::Multiply, y, floor);
                 Ok(Val { e: self.op(B::Subtract, x, whole), ty: values[0].ty.clone() })
-            }
-            F::DFdx
-            | F::DFdxCoarse
-            | F::DFdxFine
-            | F::DFdy
-            | F::DFdyCoarse
-            | F::DFdyFine
-            | F::Fwidth
-            | F::FwidthCoarse
-            | F::FwidthFine => {
-                let values = self.floating(values)?;
-                let axis = match function {
-                    F::DFdx | F::DFdxCoarse | F::DFdxFine => DerivativeAxis::X,
-                    F::DFdy | F::DFdyCoarse | F::DFdyFine => DerivativeAxis::Y,
-                    _ => DerivativeAxis::Width,
-                };
-                let ctrl = match function {
-                    F::DFdxCoarse | F::DFdyCoarse | F::FwidthCoarse => DerivativeControl::Coarse,
-                    F::DFdxFine | F::DFdyFine | F::FwidthFine => DerivativeControl::Fine,
-                    _ => DerivativeControl::None,
-                };
-                if self.build.makes_quads() {
-                    return self.quad_derivative(axis, values[0].clone(), span);
-                }
-                if self.build.run {
-                    self.build.differs = true;
-                    self.build.unfed.push((format!("`{function}` outside of the `main` of a fragment shader"), span));
-                }
-                let expr = values[0].e;
-                Ok(Val { e: self.add(Expression::Derivative { axis, ctrl, expr }), ty: values[0].ty.clone() })
             }
             F::Isnan | F::Isinf => {
                 let fun = if function == F::Isnan { RelationalFunction::IsNan } else { RelationalFunction::IsInf };
@@ -286,10 +234,9 @@ impl Fun<'_, '_> {
             }
             F::OuterProduct => {
                 let values = self.floating(values)?;
-                let (Type::Vector(s, rows), Type::Vector(_, columns)) = (&values[0].ty, &values[1].ty) else {
+                let (&Type::Vector(s, rows), &Type::Vector(_, columns)) = (&values[0].ty, &values[1].ty) else {
                     return Err(self.build.unsupported(span, "`outerProduct` of this", "use vectors"));
                 };
-                let (s, rows, columns) = (*s, *rows, *columns);
                 let mut parts = Vec::new();
                 for k in 0..u32::from(columns) {
                     let factor = self.part(values[1].e, k);
@@ -305,8 +252,53 @@ impl Fun<'_, '_> {
             F::Dot | F::Length | F::Distance | F::Normalize | F::Cross | F::Reflect | F::Refract | F::Faceforward => {
                 self.geometric(function, values)
             }
-            _ => Err(self.build.unsupported(span, format!("the function `{function}`"), "write it out")),
+            _ => self.derivative(function, values, span),
         }
+    }
+
+    /// A function of one argument that naga has.
+    fn of_one(&mut self, function: F, fun: M, ty: &Type, values: Vec<Val>) -> Result<Val> {
+        let whole = matches!(function, F::Abs | F::Sign) && values[0].ty.scalar().is_some_and(ScalarType::is_signed);
+        let values = match fun {
+            M::ReverseBits => values,
+            // The packed word is a `uint`, to which an `int` is converted.
+            M::Unpack4x8snorm | M::Unpack4x8unorm | M::Unpack2x16snorm | M::Unpack2x16unorm | M::Unpack2x16float => {
+                self.words(values)?
+            }
+            _ if whole => values,
+            M::Pack4x8snorm | M::Pack4x8unorm | M::Pack2x16snorm | M::Pack2x16unorm | M::Pack2x16float => {
+                vec![self.as_float(values[0].clone())?]
+            }
+            _ => self.floating(values)?,
+        };
+        let e = self.math(fun, &[values[0].e]);
+        let ty = if ty.is_error() { values[0].ty.clone() } else { kept(ty, &values[0].ty, fun) };
+        if whole { self.wrapped(Val { e, ty }) } else { Ok(Val { e, ty }) }
+    }
+
+    /// How much a value differs between neighbours (GLSL 4.60, 8.14).
+    fn derivative(&mut self, function: F, values: Vec<Val>, span: Span) -> Result<Val> {
+        let (axis, ctrl) = match function {
+            F::DFdx => (DerivativeAxis::X, DerivativeControl::None),
+            F::DFdxCoarse => (DerivativeAxis::X, DerivativeControl::Coarse),
+            F::DFdxFine => (DerivativeAxis::X, DerivativeControl::Fine),
+            F::DFdy => (DerivativeAxis::Y, DerivativeControl::None),
+            F::DFdyCoarse => (DerivativeAxis::Y, DerivativeControl::Coarse),
+            F::DFdyFine => (DerivativeAxis::Y, DerivativeControl::Fine),
+            F::Fwidth => (DerivativeAxis::Width, DerivativeControl::None),
+            F::FwidthCoarse => (DerivativeAxis::Width, DerivativeControl::Coarse),
+            F::FwidthFine => (DerivativeAxis::Width, DerivativeControl::Fine),
+            _ => return Err(self.build.unsupported(span, format!("the function `{function}`"), "write it out")),
+        };
+        let value = self.floating(values)?.remove(0);
+        if self.build.makes_quads() {
+            return self.quad_derivative(axis, value, span);
+        }
+        if self.build.run {
+            self.build.differs = true;
+            self.build.unfed.push((format!("`{function}` outside of the `main` of a fragment shader"), span));
+        }
+        Ok(Val { e: self.add(Expression::Derivative { axis, ctrl, expr: value.e }), ty: value.ty })
     }
 
     /// Functions of vectors, which take numbers too (GLSL 4.60, 8.5).

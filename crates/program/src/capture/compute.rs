@@ -13,10 +13,10 @@ use naga::{
 use super::builder::{Builder, Types, add_global};
 use super::feed::{Feed, Feeding};
 use super::trace::Direct;
-use super::words::{self, WordsAt};
+use super::words::{self, Supply, WordsAt};
 use super::{ENTRY_FUNCTION, ENTRY_POINT, Kernel, binding, geometry};
 use crate::lower::Role;
-use crate::{Entry, PortAt, Program, ProgramError, validate};
+use crate::{Entry, Port, PortAt, Program, ProgramError, validate};
 
 type Expr = Handle<Expression>;
 
@@ -114,40 +114,16 @@ pub(super) fn kernel(program: &Program, feed: Feed<'_>) -> Result<Kernel, Progra
     let inside = b.binary(BinaryOperator::Less, index, count);
     let mut failure = None;
     let mut body = |b: &mut Builder, sample: usize| {
-        if let Some(words) = feeding.case(b, &harness, index, sample) {
-            let mut offset = 0;
-            for port in &program.uniforms {
-                let Some(value) = words::load(b, &module, words, &mut offset, port.ty) else {
-                    failure = Some(port.field.name.clone());
-                    return;
-                };
-                put(b, &port.at, value);
-            }
-        }
         let mut arguments = vec![None; module.functions[function].arguments.len()];
-        if let Some(words) = feeding.invocation(b, index, sample) {
-            let mut offset = 0;
-            for port in &program.inputs {
-                let Some(value) = words::load(b, &module, words, &mut offset, port.ty) else {
-                    failure = Some(port.field.name.clone());
-                    return;
-                };
-                match port.at {
-                    PortAt::Argument(k) => arguments[k as usize] = Some(value),
-                    PortAt::Arguments { first, count } => {
-                        let parts = vectors(b, &module, port.ty, value);
-                        for (slot, part) in arguments[first as usize..][..count as usize].iter_mut().zip(parts) {
-                            *slot = Some(part);
-                        }
-                    }
-                    PortAt::Reference(k) => {
-                        let local = b.local(&port.field.name, port.ty);
-                        b.store(local, value);
-                        arguments[k as usize] = Some(local);
-                    }
-                    _ => put(b, &port.at, value),
-                }
-            }
+        let case = feeding.case(b, &harness, index, sample);
+        let mut unfed = case.and_then(|words| feed_ports(b, &module, &program.uniforms, words, &mut arguments));
+        if unfed.is_none() {
+            let invocation = feeding.invocation(b, index, sample);
+            unfed = invocation.and_then(|words| feed_ports(b, &module, &program.inputs, words, &mut arguments));
+        }
+        if unfed.is_some() {
+            failure = unfed;
+            return;
         }
         // Parameters that only go out.
         let mut references = Vec::new();
@@ -202,6 +178,38 @@ pub(super) fn kernel(program: &Program, feed: Feed<'_>) -> Result<Kernel, Progra
         module,
         info,
     })
+}
+
+/// Gives words one after the other to ports. Gives the name of one that takes none.
+fn feed_ports(
+    b: &mut Builder,
+    module: &Module,
+    ports: &[Port],
+    words: Supply<'_>,
+    arguments: &mut [Option<Expr>],
+) -> Option<String> {
+    let mut offset = 0;
+    for port in ports {
+        let Some(value) = words::load(b, module, words, &mut offset, port.ty) else {
+            return Some(port.field.name.clone());
+        };
+        match port.at {
+            PortAt::Argument(k) => arguments[k as usize] = Some(value),
+            PortAt::Arguments { first, count } => {
+                let parts = vectors(b, module, port.ty, value);
+                for (slot, part) in arguments[first as usize..][..count as usize].iter_mut().zip(parts) {
+                    *slot = Some(part);
+                }
+            }
+            PortAt::Reference(k) => {
+                let local = b.local(&port.field.name, port.ty);
+                b.store(local, value);
+                arguments[k as usize] = Some(local);
+            }
+            _ => put(b, &port.at, value),
+        }
+    }
+    None
 }
 
 /// An entry point called [`ENTRY_POINT`].
