@@ -9,6 +9,7 @@ pub mod native;
 mod open;
 pub mod opengl;
 pub mod remote;
+mod strips;
 pub mod vulkan;
 pub mod webgpu;
 pub mod worker;

@@ -14,9 +14,10 @@ use super::capture::{self, Capture, Feed, VERTEX_BITS};
 use super::draw::{Attribute, Counts, Drawn, Draws, Pass, Setting};
 use super::gpu::Gpu;
 use super::interface;
+use super::records::Records;
 use super::spirv::Reflection;
-use super::strips::{Records, are_cut_from, joined};
 use super::vertex::{format, place};
+use crate::strips::{Begin, are_cut_from, joined};
 use crate::{Actual, LaneError, Marks, Runner};
 use base::value::{Batch, Record, Scalar};
 use program::{OutputLayout, Primitives};
@@ -273,7 +274,7 @@ fn one(
     } else {
         let at = |(primitive, corner): (usize, usize)| cut[primitive * corners + corner];
         let same = |a, b| marked(at(a)).0 == marked(at(b)).0;
-        joined(corners, captured, same).into_iter().map(|(corner, strip)| (at(corner), strip)).collect()
+        joined(corners, captured, Begin::Any, same).into_iter().map(|(corner, strip)| (at(corner), strip)).collect()
     };
     for (vertex, (words, strip)) in found.iter().enumerate() {
         if let Some(record) = records.vertex(invocation, vertex, *strip) {

@@ -13,8 +13,8 @@ mod geometry;
 mod glslang;
 mod gpu;
 mod interface;
+mod records;
 mod spirv;
-mod strips;
 mod vertex;
 
 #[cfg(test)]

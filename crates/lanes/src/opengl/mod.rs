@@ -19,7 +19,6 @@ mod pass;
 mod prepare;
 mod record;
 mod remote;
-mod strips;
 mod textures;
 mod types;
 mod uniforms;

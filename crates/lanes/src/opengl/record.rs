@@ -2,7 +2,7 @@
 
 use super::ask::unsupported;
 use super::job::{Captured, Output};
-use super::strips::{self, Meant};
+use crate::strips::{self, Meant};
 use crate::{LaneError, Marks};
 use program::OutputLayout;
 use program::interp::Meaning;
@@ -44,7 +44,7 @@ pub fn strips(
         let stored: Vec<u32> =
             meaning.map_or_else(Vec::new, |m| (0..m.stored(invocation)).map(|v| m.strip(invocation, v)).collect());
         let meant = meaning.map(|m| Meant { count: m.emitted(invocation), strips: &stored });
-        let found = strips::emitted(output, primitives, &vertex, meant).map_err(|lost| {
+        let found = strips::emitted(output.vertices(), primitives, &vertex, meant).map_err(|lost| {
             unsupported(format!(
                 "vertex {} of primitive {invocation}, in a strip of {}: transform feedback captures whole primitives alone",
                 lost.vertex, lost.of
