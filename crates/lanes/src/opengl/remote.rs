@@ -12,7 +12,7 @@ use super::context::{Context, REMEDY};
 use super::job::{Captured, Inputs, Job};
 use super::prepare::{Ready, Refusal};
 use super::{Backend, Session};
-use crate::worker::{Frame, Loss, Worker, read_frame, write_frame};
+use crate::worker::{Frame, Held, Line, Loss, SharedLine, Worker, read_frame, write_frame};
 use crate::{LaneError, Unavailable};
 
 /// Longest time for the start of a driver.
@@ -58,37 +58,9 @@ enum Answer {
 
 /// A driver in another process.
 pub struct Remote {
-    line: Rc<RefCell<Line>>,
+    line: SharedLine<Worker>,
     pub renderer: String,
     pub version: String,
-}
-
-/// The way to the process, shared by everything that runs there.
-struct Line {
-    worker: Worker,
-    /// Number of the next job and of the next run.
-    next: u64,
-}
-
-impl Line {
-    fn number(&mut self) -> u64 {
-        self.next += 1;
-        self.next
-    }
-
-    fn send(&mut self, ask: &Ask, words: &[&[u32]]) -> Result<(), Loss> {
-        self.worker.send(ask, words)
-    }
-
-    fn receive(&mut self, limit: Duration) -> Result<(Answer, Vec<u32>), Loss> {
-        self.worker.receive(limit)
-    }
-
-    /// An answer that is not one to what was asked.
-    fn nonsense(&mut self, answer: &Answer) -> Loss {
-        self.worker.stop();
-        Loss::nonsense(answer)
-    }
 }
 
 impl Remote {
@@ -98,9 +70,10 @@ impl Remote {
     /// [`Unavailable`] when the process does not start, or has no driver.
     pub fn open(worker: Worker) -> Result<Self, Unavailable> {
         let missing = |why: String| Unavailable { why, remedy: REMEDY.to_owned() };
-        let mut line = Line { worker, next: 0 };
-        let opened = line.send(&Ask::Open, &[]).and_then(|()| line.receive(OPENING));
-        match opened.map_err(|loss| missing(format!("its process {loss}")))?.0 {
+        let mut line = Line::new(worker, ());
+        let opened = line.process.send(&Ask::Open, &[]).and_then(|()| line.process.receive(OPENING));
+        let (opened, _) = opened.map_err(|loss| missing(format!("its process {loss}")))?;
+        match opened {
             Answer::Opened { renderer, version } => Ok(Self { line: Rc::new(RefCell::new(line)), renderer, version }),
             Answer::Missing { why } => Err(missing(why)),
             other => Err(missing(format!("its process {}", line.nonsense(&other)))),
@@ -110,9 +83,7 @@ impl Remote {
 
 impl Backend for Remote {
     fn prepare(&self, job: &Job, capacity: usize) -> Result<Box<dyn Session>, Refusal> {
-        let id = self.line.borrow_mut().number();
-        let mut away =
-            Away { line: self.line.clone(), job: job.clone(), id, wanted: capacity, capacity: 0, start: None };
+        let mut away = Away { held: Held::new(&self.line), job: job.clone(), wanted: capacity, capacity: 0 };
         away.prepare()?;
         Ok(Box::new(away))
     }
@@ -120,31 +91,30 @@ impl Backend for Remote {
 
 /// A job that is ready in the other process.
 struct Away {
-    line: Rc<RefCell<Line>>,
+    held: Held<Worker>,
     job: Job,
-    id: u64,
     wanted: usize,
     capacity: usize,
-    /// The start of the process at which it was made ready: a process that was started again knows nothing of it.
-    start: Option<u64>,
 }
 
 impl Away {
     fn prepare(&mut self) -> Result<(), Refusal> {
-        let mut line = self.line.borrow_mut();
-        if self.start.is_some() && self.start == line.worker.start() {
+        let (id, line) = (self.held.id, self.held.line.clone());
+        let mut line = line.borrow_mut();
+        if self.held.is_ready(&line) {
             return Ok(());
         }
         let lost = |loss: Loss| Refusal::Lane(loss.error(None, 0, "while the shader was compiled"));
-        let ask = Ask::Prepare { id: self.id, job: Box::new(self.job.clone()), capacity: self.wanted };
-        line.send(&ask, &[]).map_err(lost)?;
-        match line.receive(COMPILING).map_err(lost)?.0 {
-            Answer::Ready { id, capacity } if id == self.id => {
+        let ask = Ask::Prepare { id, job: Box::new(self.job.clone()), capacity: self.wanted };
+        line.process.send(&ask, &[]).map_err(lost)?;
+        let (answer, _) = line.process.receive(COMPILING).map_err(lost)?;
+        match answer {
+            Answer::Ready { id: of, capacity } if of == id => {
                 self.capacity = capacity.max(1);
-                self.start = line.worker.start();
+                self.held.made(&line);
                 Ok(())
             }
-            Answer::Refused { id, refusal } if id == self.id => Err(refusal),
+            Answer::Refused { id: of, refusal } if of == id => Err(refusal),
             other => {
                 let loss = line.nonsense(&other);
                 Err(lost(loss))
@@ -158,10 +128,10 @@ impl Away {
             Refusal::Lane(error) => Failure::Message(error),
             Refusal::Text { log, .. } | Refusal::Link(log) => Failure::Message(LaneError::Api(log)),
         })?;
-        let mut line = self.line.borrow_mut();
+        let mut line = self.held.line.borrow_mut();
         let run = line.number();
         let ask = Ask::Run {
-            id: self.id,
+            id: self.held.id,
             run,
             invocations: inputs.invocations.len(),
             count: inputs.count,
@@ -169,10 +139,11 @@ impl Away {
             sentinel: inputs.sentinel,
             one_by_one: inputs.one_by_one,
         };
-        line.send(&ask, &[inputs.invocations, inputs.cases]).map_err(|loss| Failure::Lost(loss, None))?;
+        let sent = line.process.send(&ask, &[inputs.invocations, inputs.cases]);
+        sent.map_err(|loss| Failure::Lost(loss, None))?;
         let mut at = None;
         loop {
-            match line.receive(limit).map_err(|loss| Failure::Lost(loss, at))? {
+            match line.process.receive(limit).map_err(|loss| Failure::Lost(loss, at))? {
                 (Answer::At { run: of, invocation }, _) if of == run => at = Some(invocation),
                 (Answer::Captured { run: of, primitives }, words) if of == run => {
                     return Ok(Captured { words, primitives });
@@ -224,11 +195,7 @@ impl Session for Away {
 
 impl Drop for Away {
     fn drop(&mut self) {
-        let Ok(mut line) = self.line.try_borrow_mut() else { return };
-        if self.start.is_some() && self.start == line.worker.start() {
-            // A process that is gone has forgotten it anyway.
-            let _ = line.send(&Ask::Drop { id: self.id }, &[]);
-        }
+        self.held.forget(|worker| worker.send(&Ask::Drop { id: self.held.id }, &[]));
     }
 }
 

@@ -9,7 +9,7 @@ use super::message::{Answer, Ask, Pieces};
 use super::wire::{Wire, Writer};
 use super::{Front, SIDE, Work};
 use crate::vulkan::{self, Naga};
-use crate::worker::{Loss, Program as Executable, Worker, with_inputs};
+use crate::worker::{self, Held, Loss, Program as Executable, SharedLine, Worker, with_inputs};
 use crate::{Actual, Candidate, Description, Lane, LaneError, PATIENCE, Runner, Unavailable, interned, interrupt};
 use base::value::Batch;
 use program::interp::{self, Binary32};
@@ -31,34 +31,21 @@ const PIECE: Duration = Duration::from_secs(20);
 /// Invocations of the pieces in which the one that does not come back is looked for first.
 const COARSE: usize = 256;
 
-/// The way to a process.
-struct Line {
-    worker: Worker,
-    /// Number of the next work and of the next run.
-    next: u64,
-    /// True once a batch did not come back in its time.
-    slow: bool,
-}
+/// The way to a process of this program.
+type Line = worker::Line<Worker, Slow>;
+
+/// True once a batch did not come back in its time.
+#[derive(Default)]
+struct Slow(bool);
 
 impl Line {
-    fn new(program: &Executable) -> Self {
-        Self { worker: Worker::new(&program.with(SIDE), &[]), next: 0, slow: false }
-    }
-
-    fn number(&mut self) -> u64 {
-        self.next += 1;
-        self.next
+    fn to(program: &Executable) -> Self {
+        Self::new(Worker::new(&program.with(SIDE), &[]), Slow::default())
     }
 
     fn ask(&mut self, ask: &Ask, words: &[&[u32]], limit: Duration) -> Result<Answer, Loss> {
-        self.worker.send(ask, words)?;
-        Ok(self.worker.receive(limit)?.0)
-    }
-
-    /// An answer that is not one to what was asked.
-    fn nonsense(&mut self, answer: &Answer) -> Loss {
-        self.worker.stop();
-        Loss::nonsense(answer)
+        self.process.send(ask, words)?;
+        Ok(self.process.receive(limit)?.0)
     }
 
     fn open(&mut self, lane: &str) -> Result<Description, Unavailable> {
@@ -80,7 +67,7 @@ fn missing(why: String) -> Unavailable {
 /// # Errors
 /// Why there are none, without a full stop.
 pub fn devices(program: &'static Executable) -> Result<Vec<Candidate>, String> {
-    let mut line = Line::new(program);
+    let mut line = Line::to(program);
     let lost = |loss: &Loss| format!("the process that looks for Vulkan drivers {loss}");
     let names = match line.ask(&Ask::Devices, &[], OPENING).map_err(|loss| lost(&loss))? {
         Answer::Devices { names } => names,
@@ -93,7 +80,7 @@ pub fn devices(program: &'static Executable) -> Result<Vec<Candidate>, String> {
         let (name, spare) = (interned(&name), spare.clone());
         let open = move || {
             let line = spare.lock().unwrap_or_else(PoisonError::into_inner).take();
-            open_on(line.unwrap_or_else(|| Line::new(program)), name, Box::new(Naga))
+            open_on(line.unwrap_or_else(|| Line::to(program)), name, Box::new(Naga))
         };
         Candidate {
             name,
@@ -112,7 +99,7 @@ pub fn devices(program: &'static Executable) -> Result<Vec<Candidate>, String> {
 /// # Errors
 /// [`Unavailable`] when the process does not start, or has no such lane.
 pub fn open(program: &Executable, lane: &str, front: Box<dyn Front>) -> Result<Box<dyn Lane>, Unavailable> {
-    open_on(Line::new(program), lane, front)
+    open_on(Line::to(program), lane, front)
 }
 
 fn open_on(mut line: Line, lane: &str, front: Box<dyn Front>) -> Result<Box<dyn Lane>, Unavailable> {
@@ -122,7 +109,7 @@ fn open_on(mut line: Line, lane: &str, front: Box<dyn Front>) -> Result<Box<dyn 
 
 /// A lane whose engine is in another process.
 struct Away {
-    line: Rc<RefCell<Line>>,
+    line: SharedLine<Worker, Slow>,
     front: Box<dyn Front>,
     description: Description,
 }
@@ -148,15 +135,12 @@ impl Lane for Away {
         };
         let refused = |what| LaneError::Unsupported(format!("`{what}` of naga, in a process of its own"));
         let words = writer.finish().map_err(refused)?;
-        let id = self.line.borrow_mut().number();
         let mut session = Session {
-            line: self.line.clone(),
+            held: Held::new(&self.line),
             lane: self.description.name.to_owned(),
             words,
-            id,
             wanted: capacity.max(1),
             capacity: 0,
-            start: None,
             layout: kernel.output.clone(),
             program: kernel.program.clone(),
             loops: kernel.has_loops(),
@@ -169,14 +153,11 @@ impl Lane for Away {
 
 /// Work that is ready in the other process.
 struct Session {
-    line: Rc<RefCell<Line>>,
+    held: Held<Worker, Slow>,
     lane: String,
     words: Vec<u32>,
-    id: u64,
     wanted: usize,
     capacity: usize,
-    /// The start of the process at which it was made ready: a process that was started again knows nothing of it.
-    start: Option<u64>,
     layout: OutputLayout,
     program: Arc<Program>,
     loops: bool,
@@ -194,26 +175,27 @@ enum Failure {
 
 impl Session {
     fn prepare(&mut self) -> Result<(), LaneError> {
-        let mut line = self.line.borrow_mut();
-        if self.start.is_some() && self.start == line.worker.start() {
+        let (id, line) = (self.held.id, self.held.line.clone());
+        let mut line = line.borrow_mut();
+        if self.held.is_ready(&line) {
             return Ok(());
         }
         let lost = |loss: Loss| match loss.is_late() {
             true => compiling(),
             false => loss.error(None, 0, "while the shader was made ready"),
         };
-        if line.worker.start().is_none() {
+        if line.process.start().is_none() {
             // It was lost before.
             line.open(&self.lane).map_err(|missing| LaneError::Api(missing.to_string()))?;
         }
-        let ask = Ask::Prepare { id: self.id, capacity: self.wanted };
+        let ask = Ask::Prepare { id, capacity: self.wanted };
         match line.ask(&ask, &[&self.words], PREPARING).map_err(lost)? {
-            Answer::Ready { id, capacity } if id == self.id => {
+            Answer::Ready { id: of, capacity } if of == id => {
                 self.capacity = capacity.max(1);
-                self.start = line.worker.start();
+                self.held.made(&line);
                 Ok(())
             }
-            Answer::Refused { id, error } if id == self.id => {
+            Answer::Refused { id: of, error } if of == id => {
                 renew(&mut line, &error);
                 Err(error)
             }
@@ -232,15 +214,15 @@ impl Session {
         more: &mut dyn FnMut() -> Duration,
     ) -> Result<Actual, Failure> {
         self.prepare().map_err(Failure::Message)?;
-        let mut line = self.line.borrow_mut();
+        let mut line = self.held.line.borrow_mut();
         let run = line.number();
-        let (id, per_case, invocations) = (self.id, batch.per_case, batch.invocations.len());
+        let (id, per_case, invocations) = (self.held.id, batch.per_case, batch.invocations.len());
         let ask = Ask::Run { id, run, per_case, invocations, pieces: pieces.clone() };
-        let sent = line.worker.send(&ask, &[&batch.invocations, &batch.cases]);
+        let sent = line.process.send(&ask, &[&batch.invocations, &batch.cases]);
         sent.map_err(|loss| Failure::Lost(loss, None))?;
         let mut at = None;
         loop {
-            let received = line.worker.receive_with(limit, more);
+            let received = line.process.receive_with(limit, more);
             match received.map_err(|loss| Failure::Lost(loss, at))? {
                 (Answer::At { run: of, invocation }, _) if of == run => at = Some(invocation),
                 (Answer::Done { run: of, marks }, words) if of == run => {
@@ -319,7 +301,7 @@ fn compiling() -> LaneError {
 /// next one opens it anew.
 fn renew(line: &mut Line, error: &LaneError) {
     if matches!(error, LaneError::Api(_)) {
-        line.worker.stop();
+        line.process.stop();
     }
 }
 
@@ -337,7 +319,7 @@ impl Runner for Session {
         let count = self.count_of(batch, "invocations")?;
         let (program, loops) = (self.program.clone(), self.loops);
         let (mut named, mut late) = (None, false);
-        let most = if self.line.borrow().slow { AFTER_A_LOSS } else { BATCH };
+        let most = if self.held.line.borrow().state.0 { AFTER_A_LOSS } else { BATCH };
         let mut more = || {
             let begun = Instant::now();
             named = if loops { endless(&program, batch) } else { None };
@@ -348,7 +330,7 @@ impl Runner for Session {
             Ok(actual) => Ok(actual),
             Err(Failure::Message(error)) => Err(error),
             Err(Failure::Lost(loss, _)) => {
-                self.line.borrow_mut().slow |= late && named.is_none();
+                self.held.line.borrow_mut().state.0 |= late && named.is_none();
                 let result = match named {
                     Some(at) => Err(loss.error(Some(at), count, "")),
                     None => self.narrowed(&loss, batch, count),
@@ -361,10 +343,6 @@ impl Runner for Session {
 
 impl Drop for Session {
     fn drop(&mut self) {
-        let Ok(mut line) = self.line.try_borrow_mut() else { return };
-        if self.start.is_some() && self.start == line.worker.start() {
-            // A process that is gone has forgotten it anyway.
-            let _ = line.worker.send(&Ask::Drop { id: self.id }, &[]);
-        }
+        self.held.forget(|worker| worker.send(&Ask::Drop { id: self.held.id }, &[]));
     }
 }

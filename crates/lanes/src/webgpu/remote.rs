@@ -6,7 +6,7 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use super::messages::{Adapter, Answer, Ask, Job, Missing};
-use crate::worker::{Loss, Worker};
+use crate::worker::{Held, Line, Loss, Process, SharedLine, Worker};
 use crate::{LaneError, Marks};
 use base::value::Batch;
 
@@ -20,25 +20,15 @@ pub const BATCH: Duration = Duration::from_secs(20);
 pub const FEW: Duration = Duration::from_secs(5);
 
 /// Whoever answers: a process, and in tests what plays one.
-pub trait Peer {
-    /// Which start of it is running; none when it does not.
-    fn start(&self) -> Option<u64>;
-
+pub trait Peer: Process {
     /// Says something that has no answer.
     fn send(&mut self, ask: &Ask, words: &[&[u32]]) -> Result<(), Loss>;
 
     /// Asks something, and waits for the answer for so long at most.
     fn ask(&mut self, ask: &Ask, words: &[&[u32]], limit: Duration) -> Result<(Answer, Vec<u32>), Loss>;
-
-    /// Ends it.
-    fn stop(&mut self);
 }
 
 impl Peer for Worker {
-    fn start(&self) -> Option<u64> {
-        Self::start(self)
-    }
-
     fn send(&mut self, ask: &Ask, words: &[&[u32]]) -> Result<(), Loss> {
         self.send(ask, words)
     }
@@ -47,51 +37,33 @@ impl Peer for Worker {
         self.send(ask, words)?;
         self.receive(limit)
     }
-
-    fn stop(&mut self) {
-        Self::stop(self);
-    }
 }
 
 /// A device in another process.
 #[derive(Clone)]
 pub struct Remote {
-    line: Rc<RefCell<Line>>,
+    line: SharedLine<Box<dyn Peer>, Device>,
     pub adapter: Adapter,
 }
 
-/// The way to the process, shared by all kernels.
-struct Line {
-    peer: Box<dyn Peer>,
+/// What is known of the device of a process.
+struct Device {
     folder: String,
-    /// Number of the next kernel and of the next run.
-    next: u64,
     /// The start of the process that has a device.
     opened: Option<u64>,
 }
 
-impl Line {
-    fn number(&mut self) -> u64 {
-        self.next += 1;
-        self.next
-    }
-
-    /// An answer that is not one to what was asked.
-    fn nonsense(&mut self, answer: &Answer) -> Loss {
-        self.peer.stop();
-        Loss::nonsense(answer)
-    }
-
+impl Line<Box<dyn Peer>, Device> {
     /// Asks for a device, of a process that was not asked yet.
     fn open(&mut self) -> Result<Option<Adapter>, Missing> {
-        if self.opened.is_some() && self.opened == self.peer.start() {
+        if self.state.opened.is_some() && self.state.opened == self.process.start() {
             return Ok(None);
         }
-        let ask = Ask::Open { folder: self.folder.clone() };
+        let ask = Ask::Open { folder: self.state.folder.clone() };
         let lost = |loss: Loss| Missing::Process(format!("`{}` {loss}", super::NODE));
-        match self.peer.ask(&ask, &[], OPENING).map_err(lost)?.0 {
+        match self.process.ask(&ask, &[], OPENING).map_err(lost)?.0 {
             Answer::Opened(adapter) => {
-                self.opened = self.peer.start();
+                self.state.opened = self.process.start();
                 Ok(Some(*adapter))
             }
             Answer::Missing { why, driver: true } => Err(Missing::Driver(why)),
@@ -108,7 +80,7 @@ impl Remote {
     /// [`Missing`] when the process does not start, or has none.
     pub fn open(peer: Box<dyn Peer>, folder: &Path) -> Result<Self, Missing> {
         let folder = folder.to_string_lossy().into_owned();
-        let mut line = Line { peer, folder, next: 0, opened: None };
+        let mut line = Line::new(peer, Device { folder, opened: None });
         match line.open()? {
             Some(adapter) => Ok(Self { line: Rc::new(RefCell::new(line)), adapter }),
             None => Err(Missing::Process("it was open before it was opened".to_owned())),
@@ -120,8 +92,9 @@ impl Remote {
     /// # Errors
     /// [`LaneError`] when it is refused, or the process is lost.
     pub fn prepare(&self, job: Job, texels: Vec<u32>) -> Result<Away, LaneError> {
-        let id = self.line.borrow_mut().number();
-        let mut away = Away { line: self.line.clone(), job: Job { id, ..job }, texels, start: None };
+        let held = Held::new(&self.line);
+        let job = Job { id: held.id, ..job };
+        let mut away = Away { held, job, texels };
         away.prepare()?;
         Ok(away)
     }
@@ -129,11 +102,9 @@ impl Remote {
 
 /// A kernel that is ready in the other process.
 pub struct Away {
-    line: Rc<RefCell<Line>>,
+    held: Held<Box<dyn Peer>, Device>,
     pub job: Job,
     texels: Vec<u32>,
-    /// The start of the process at which it was made ready: a process that was started again knows nothing of it.
-    start: Option<u64>,
 }
 
 /// Why a run gave nothing.
@@ -146,8 +117,9 @@ pub enum Failure {
 
 impl Away {
     fn prepare(&mut self) -> Result<(), LaneError> {
-        let mut line = self.line.borrow_mut();
-        if self.start.is_some() && self.start == line.peer.start() {
+        let line = self.held.line.clone();
+        let mut line = line.borrow_mut();
+        if self.held.is_ready(&line) {
             return Ok(());
         }
         line.open().map_err(|missing| match missing {
@@ -155,9 +127,9 @@ impl Away {
         })?;
         let lost = |loss: Loss| loss.error(None, 0, "while the shader was compiled");
         let ask = Ask::Prepare(Box::new(self.job.clone()));
-        match line.peer.ask(&ask, &[&self.texels], COMPILING).map_err(lost)?.0 {
+        match line.process.ask(&ask, &[&self.texels], COMPILING).map_err(lost)?.0 {
             Answer::Ready { id } if id == self.job.id => {
-                self.start = line.peer.start();
+                self.held.made(&line);
                 Ok(())
             }
             Answer::Refused { id, line, column, why } if id == self.job.id => {
@@ -176,7 +148,7 @@ impl Away {
         limit: Duration,
     ) -> Result<Vec<u32>, Failure> {
         self.prepare().map_err(Failure::Message)?;
-        let mut line = self.line.borrow_mut();
+        let mut line = self.held.line.borrow_mut();
         let run = line.number();
         let ask = Ask::Run {
             id: self.job.id,
@@ -186,7 +158,7 @@ impl Away {
             canary: marks.canary,
             lengths: inputs.iter().map(|input| input.len()).collect(),
         };
-        match line.peer.ask(&ask, inputs, limit).map_err(Failure::Lost)? {
+        match line.process.ask(&ask, inputs, limit).map_err(Failure::Lost)? {
             (Answer::Done { run: of }, words) if of == run => Ok(words),
             (Answer::Failed { run: of, why }, _) if of == run => Err(Failure::Message(LaneError::Api(why))),
             (other, _) => Err(Failure::Lost(line.nonsense(&other))),
@@ -205,10 +177,6 @@ fn refusal(code: &str, (line, column): (usize, usize), why: &str) -> String {
 
 impl Drop for Away {
     fn drop(&mut self) {
-        let Ok(mut line) = self.line.try_borrow_mut() else { return };
-        if self.start.is_some() && self.start == line.peer.start() {
-            // A process that is gone has forgotten it anyway.
-            let _ = line.peer.send(&Ask::Drop { id: self.job.id }, &[]);
-        }
+        self.held.forget(|peer| peer.send(&Ask::Drop { id: self.held.id }, &[]));
     }
 }

@@ -10,7 +10,7 @@ use super::messages::{Adapter, Answer, Ask, Limits};
 use super::remote::{Peer, Remote};
 use super::runner::WgslRunner;
 use super::{describe, device, node, open_at};
-use crate::worker::{Loss, Program as Command_, read_frame, write_frame};
+use crate::worker::{Loss, Process, Program as Command_, read_frame, write_frame};
 use crate::{Actual, LaneError, Runner};
 use base::text::SourceFile;
 use base::value::Batch;
@@ -68,17 +68,19 @@ struct Fake {
     before: Vec<u32>,
 }
 
-impl Peer for Fake {
+impl Process for Fake {
     fn start(&self) -> Option<u64> {
         self.start
     }
 
-    fn send(&mut self, _: &Ask, _: &[&[u32]]) -> Result<(), Loss> {
-        Ok(())
-    }
-
     fn stop(&mut self) {
         self.start = None;
+    }
+}
+
+impl Peer for Fake {
+    fn send(&mut self, _: &Ask, _: &[&[u32]]) -> Result<(), Loss> {
+        Ok(())
     }
 
     fn ask(&mut self, ask: &Ask, words: &[&[u32]], _: Duration) -> Result<(Answer, Vec<u32>), Loss> {

@@ -8,6 +8,7 @@
 //! triggers it. An invocation that the interpreter finds to be endless is named without that search.
 
 mod frame;
+mod line;
 pub mod tool;
 
 #[cfg(test)]
@@ -30,6 +31,7 @@ use super::{LaneError, interrupt};
 use base::value::{Batch, Record};
 
 pub use frame::{Frame, read_frame, write_frame};
+pub(crate) use line::{Held, Line, Process, SharedLine};
 
 /// Bytes of the error output of a process that are kept.
 const KEPT: usize = 2048;
