@@ -13,7 +13,7 @@ use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Verdict, What};
 use super::oracle::JudgeContext;
 use super::reference::{Expected, Reference};
 use super::shape::{shape_of_lane, shape_of_shader};
-use super::words::{Aim, Known, Told, Word, open_words, told, word_of_shader};
+use super::words::{Aim, Known, Standing, Told, Word, open_words, told, word_of_shader};
 use crate::tape::{Path, Tape};
 use base::value::Batch;
 use program::OutputLayout;
@@ -146,26 +146,16 @@ impl Best {
         any(|told| matches!(told, Told::Open(_))) && !any(|told| matches!(told, Told::Wrong(_)))
     }
 
-    /// The verdict on the sample, with its largest error where it agrees.
-    fn verdict(self, blame: Blame, promise: Promise) -> (Verdict, f64, bool) {
+    /// What all words say of the sample.
+    fn standing(self, blame: Blame, promise: Promise) -> Standing {
         if !self.fits
             && let Some(shape) = self.shape
         {
-            return (Verdict::Deviate(shape), 0.0, false);
+            return Standing::new(Verdict::Deviate(shape));
         }
-        let (mut verdict, mut most, mut fades) = (Verdict::Agree(promise), 0.0_f64, false);
-        for told in self.words.into_iter().flatten() {
-            let one = match told {
-                Told::Right { ulp, faded } => {
-                    (most, fades) = (most.max(ulp), fades | faded);
-                    continue;
-                }
-                Told::Open(doubt) => Verdict::Undetermined(doubt),
-                Told::Wrong(what) => Verdict::Deviate(Deviation { blame, what }),
-            };
-            verdict = Verdict::worse(Some(verdict), one, 0);
-        }
-        (verdict, most, fades)
+        let mut standing = Standing::new(Verdict::Agree(promise));
+        self.words.into_iter().flatten().for_each(|told| standing.tell(told, blame));
+        standing
     }
 }
 
@@ -201,7 +191,7 @@ pub(super) fn lane<'a>(
     promise: Promise,
     (batch, actual): (&Batch, &Actual),
     invocations: &[usize],
-) -> Vec<Option<(Verdict, f64, bool)>> {
+) -> Vec<Option<Standing>> {
     let mut best: Vec<Best> = invocations.iter().map(|_| Best::default()).collect();
     let vectors: Vec<f64> = invocations.iter().map(|&invocation| reference.vector_size(batch, invocation)).collect();
     let record = actual.layout().vertex.clone();
@@ -240,12 +230,12 @@ pub(super) fn lane<'a>(
         hopeless(&best, seen)
     };
     let known = on_all_paths(machine, batch, invocations, &mut see);
-    let verdict = |(best, known): (Best, bool)| known.then(|| best.verdict(Blame::Lane, promise));
-    best.into_iter().zip(known).map(verdict).collect()
+    let standing = |(best, known): (Best, bool)| known.then(|| best.standing(Blame::Lane, promise));
+    best.into_iter().zip(known).map(standing).collect()
 }
 
 /// The largest component of a variable in each slot.
-fn scales(machine: &Machine<'_, Tape<'_>>, vertex: usize, words: Range<usize>) -> [f64; SLOTS] {
+pub(super) fn scales(machine: &Machine<'_, Tape<'_>>, vertex: usize, words: Range<usize>) -> [f64; SLOTS] {
     let mut scale = [0.0_f64; SLOTS];
     for word in words {
         if let OutputColumn::Real(&column) = machine.output(vertex, word) {
@@ -329,7 +319,7 @@ pub(super) fn shader<'a>(
     let known = known.into_iter().zip(expected).zip(pairs);
     let verdict = |(best, ((known, expected), pairs)): (Best, ((bool, &Option<_>), usize))| {
         let whole = known && expected.is_some() && pairs <= MOST_PAIRS;
-        whole.then(|| best.verdict(Blame::Shader, Promise::Text).0)
+        whole.then(|| best.standing(Blame::Shader, Promise::Text).verdict)
     };
     best.into_iter().zip(known).map(verdict).collect()
 }

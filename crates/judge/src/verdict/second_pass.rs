@@ -3,18 +3,18 @@
 use std::collections::HashSet;
 
 use super::batch::OpenSample;
-use super::follow;
+use super::follow::{self, scales};
 use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Verdict, What};
 use super::open::{cut, fork};
 use super::oracle::JudgeContext;
 use super::reading::{Reader, may_be_read};
 use super::reference::{Evaluator, Expected};
 use super::shape::{shape_of_lane, shape_of_shader};
-use super::words::{Aim, Known, Told, Word, open_words, told, word_of_shader};
+use super::words::{Aim, Known, Standing, Word, open_words, told, word_of_shader};
 use crate::tape::{Model, Tape};
 use base::value::Batch;
 use program::OutputLayout;
-use program::interp::{Binary64, Flags, HazardKind, Machine, OutputColumn, SLOTS};
+use program::interp::{Binary64, Flags, HazardKind, Machine, SLOTS};
 use program::lane::Actual;
 
 /// An error of this part of the values' size is no test any more, even if it is allowed.
@@ -336,11 +336,7 @@ impl<'a> SecondPass<'a> {
         let Tier { promise, model, machine } = &mut tiers[tier];
         let machine = machine.get_or_insert_with(|| context.oracle.tape(*model));
         let slots = machine.run_some(batch, invocations);
-        let mut verdicts: Vec<Verdict> = vec![Verdict::Agree(*promise); slots];
-        let mut ulps = vec![0.0_f64; slots];
-        let mut faded_slots = [false; SLOTS];
-        let vectors: Vec<f64> =
-            invocations.iter().map(|&invocation| context.reference.vector_size(batch, invocation)).collect();
+        let invocations = &invocations[..slots];
         // Sums may be regrouped; what a comparison sees is taken to be in the order of the source.
         let regrouped = *promise == Promise::Rearranged;
         for slot in (0..slots).filter(|_| !regrouped) {
@@ -348,81 +344,90 @@ impl<'a> SecondPass<'a> {
                 forked.insert(invocations[slot]);
             }
         }
-        let decided: Vec<bool> = (0..slots).map(|k| regrouped && !forked.contains(&invocations[k])).collect();
-        let known: Vec<bool> = (0..slots).map(|slot| machine.domain().given_up(slot).is_none()).collect();
-        for slot in 0..slots {
-            if let Some(doubt) = cut(machine.domain(), slot) {
-                verdicts[slot] = Verdict::Undetermined(doubt);
-                continue;
-            }
-            let Some(deviation) = shape_of_lane(machine, actual, invocations[slot], slot) else { continue };
-            let tape = machine.domain();
-            let open = !decided[slot] && tape.fork(slot).is_some();
-            verdicts[slot] = if open { Verdict::Undetermined(fork(tape, slot)) } else { Verdict::Deviate(deviation) };
-        }
-        let record = actual.layout().vertex.clone();
-        for vertex in 0..machine.room() {
-            for field in 0..record.fields().len() {
-                let mut scale = [0.0_f64; SLOTS];
-                for word in record.range(field) {
-                    if let OutputColumn::Real(&column) = machine.output(vertex, word) {
-                        let values = machine.domain().values(column);
-                        scale.iter_mut().zip(values).for_each(|(s, v)| *s = s.max(v.abs()));
-                    }
-                }
-                for word in record.range(field) {
-                    let open: Vec<usize> = (0..slots)
-                        .filter(|&slot| known[slot] && !matches!(verdicts[slot], Verdict::Deviate(_)))
-                        .filter(|&slot| vertex < actual.stored(invocations[slot]))
-                        .collect();
-                    // Of two doubts on a sample the first is kept: no cause is looked for again.
-                    let mut doubted = [false; SLOTS];
-                    open.iter().for_each(|&slot| doubted[slot] = matches!(verdicts[slot], Verdict::Undetermined(_)));
-                    let known = Known { open: &open, decided: &decided, doubted: &doubted };
-                    for (slot, outcome, error) in open_words(machine, actual, invocations, &known, (vertex, word)) {
-                        let sizes = (scale[slot], scale[slot].max(vectors[slot]));
-                        let known = (outcome, error, doubted[slot]);
-                        let verdict = match told(machine, actual, invocations[slot], (vertex, word, slot), known, sizes)
-                        {
-                            Told::Right { ulp, faded } => {
-                                ulps[slot] = ulps[slot].max(ulp);
-                                faded_slots[slot] |= faded;
-                                continue;
-                            }
-                            Told::Open(doubt) => Verdict::Undetermined(doubt),
-                            Told::Wrong(what) => Verdict::Deviate(Deviation { blame: Blame::Lane, what }),
-                        };
-                        let before = std::mem::replace(&mut verdicts[slot], Verdict::Agree(*promise));
-                        verdicts[slot] = Verdict::worse(Some(before), verdict, 0);
-                    }
-                }
-            }
-        }
-        let open = |slot: &usize| match &verdicts[*slot] {
+        let decided: Vec<bool> = invocations.iter().map(|i| regrouped && !forked.contains(i)).collect();
+        let begin = |slot: usize| {
+            let verdict = by_shape(machine, actual, invocations[slot], slot, decided[slot]);
+            Standing::new(verdict.unwrap_or(Verdict::Agree(*promise)))
+        };
+        let mut standings: Vec<Standing> = (0..slots).map(begin).collect();
+        let sizes: Vec<f64> = invocations.iter().map(|&i| context.reference.vector_size(batch, i)).collect();
+        by_words(machine, actual, invocations, (&decided, &sizes), &mut standings);
+        let open = |slot: &usize| match &standings[*slot].verdict {
             Verdict::Undetermined(doubt) if follow::may_be_settled(doubt) => {
                 follow::is_open(machine.as_domain(), *slot)
             }
             _ => false,
         };
-        let opens: Vec<usize> = (0..slots).filter(open).collect();
-        if !opens.is_empty() {
-            let some: Vec<usize> = opens.iter().map(|&slot| invocations[slot]).collect();
+        let open: Vec<usize> = (0..slots).filter(open).collect();
+        if !open.is_empty() {
+            let some: Vec<usize> = open.iter().map(|&slot| invocations[slot]).collect();
             let found = follow::lane(machine, context.reference, *promise, (batch, actual), &some);
-            for (slot, found) in opens.into_iter().zip(found) {
-                if let Some((verdict, ulp, fades)) = found {
-                    verdicts[slot] = verdict;
-                    (ulps[slot], faded_slots[slot]) = (ulp, fades);
+            for (slot, found) in open.into_iter().zip(found) {
+                if let Some(standing) = found {
+                    standings[slot] = standing;
                 }
             }
         }
-        for (slot, (ulp, verdict)) in ulps.iter().zip(&verdicts).enumerate() {
-            if matches!(verdict, Verdict::Agree(_)) {
-                *max_ulp = max_ulp.max(*ulp);
-                if faded_slots[slot] {
-                    faded.insert(invocations[slot]);
+        for (standing, &invocation) in standings.iter().zip(invocations) {
+            if matches!(standing.verdict, Verdict::Agree(_)) {
+                *max_ulp = max_ulp.max(standing.ulp);
+                if standing.faded {
+                    faded.insert(invocation);
                 }
             }
         }
-        verdicts
+        standings.into_iter().map(|standing| standing.verdict).collect()
+    }
+}
+
+/// The verdict on a sample of a lane by its shape alone; `None` where its words decide.
+fn by_shape(
+    machine: &mut Machine<'_, Tape<'_>>,
+    actual: &Actual,
+    invocation: usize,
+    slot: usize,
+    decided: bool,
+) -> Option<Verdict> {
+    if let Some(doubt) = cut(machine.domain(), slot) {
+        return Some(Verdict::Undetermined(doubt));
+    }
+    let deviation = shape_of_lane(machine, actual, invocation, slot)?;
+    let tape = machine.domain();
+    let open = !decided && tape.fork(slot).is_some();
+    Some(if open { Verdict::Undetermined(fork(tape, slot)) } else { Verdict::Deviate(deviation) })
+}
+
+/// Takes in all words of a lane. `decided` holds where no comparison is in doubt; `sizes` are those of the vectors among the
+/// inputs.
+fn by_words(
+    machine: &mut Machine<'_, Tape<'_>>,
+    actual: &Actual,
+    invocations: &[usize],
+    (decided, sizes): (&[bool], &[f64]),
+    standings: &mut [Standing],
+) {
+    let record = actual.layout().vertex.clone();
+    let known: Vec<bool> = (0..standings.len()).map(|slot| machine.domain().given_up(slot).is_none()).collect();
+    let places = (0..machine.room()).flat_map(|vertex| (0..record.fields().len()).map(move |field| (vertex, field)));
+    for (vertex, field) in places {
+        let scale = scales(machine, vertex, record.range(field));
+        for word in record.range(field) {
+            let open: Vec<usize> = (0..standings.len())
+                .filter(|&slot| known[slot] && !matches!(standings[slot].verdict, Verdict::Deviate(_)))
+                .filter(|&slot| vertex < actual.stored(invocations[slot]))
+                .collect();
+            // Of two doubts on a sample the first is kept: no cause is looked for again.
+            let mut doubted = [false; SLOTS];
+            for &slot in &open {
+                doubted[slot] = matches!(standings[slot].verdict, Verdict::Undetermined(_));
+            }
+            let known = Known { open: &open, decided, doubted: &doubted };
+            for (slot, outcome, error) in open_words(machine, actual, invocations, &known, (vertex, word)) {
+                let sizes = (scale[slot], scale[slot].max(sizes[slot]));
+                let known = (outcome, error, doubted[slot]);
+                let told = told(machine, actual, invocations[slot], (vertex, word, slot), known, sizes);
+                standings[slot].tell(told, Blame::Lane);
+            }
+        }
     }
 }

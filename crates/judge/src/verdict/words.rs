@@ -1,7 +1,7 @@
 //! Verdicts on single words, in all slots of a chunk.
 
 use super::fit::NEAR;
-use super::judge::{Doubt, Reason, Value, What, agrees, real};
+use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees, real};
 use super::open::{fades, fork, underflow};
 use super::reference::{Output, Reference};
 use super::second_pass::{TWO_WAYS, USELESS, USELESS_64};
@@ -21,6 +21,36 @@ pub(super) enum Told {
     },
     Open(Doubt),
     Wrong(What),
+}
+
+/// The verdict on a sample by those of its words that were judged.
+#[derive(Clone, Debug)]
+pub(super) struct Standing {
+    pub verdict: Verdict,
+    /// The largest error of words that are right, in ULP.
+    pub ulp: f64,
+    /// Some of them are right beside the start of what has faded out.
+    pub faded: bool,
+}
+
+impl Standing {
+    pub fn new(verdict: Verdict) -> Self {
+        Self { verdict, ulp: 0.0, faded: false }
+    }
+
+    /// Takes in one more word; a difference is the fault of `blame`.
+    pub fn tell(&mut self, told: Told, blame: Blame) {
+        let verdict = match told {
+            Told::Right { ulp, faded } => {
+                (self.ulp, self.faded) = (self.ulp.max(ulp), self.faded | faded);
+                return;
+            }
+            Told::Open(doubt) => Verdict::Undetermined(doubt),
+            Told::Wrong(what) => Verdict::Deviate(Deviation { blame, what }),
+        };
+        let before = std::mem::replace(&mut self.verdict, Verdict::Agree(Promise::Text));
+        self.verdict = Verdict::worse(Some(before), verdict, 0);
+    }
 }
 
 /// What is made of what came of a word, with its error. `sizes` are those of its variable, and of the vectors among the inputs
