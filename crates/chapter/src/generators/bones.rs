@@ -88,34 +88,60 @@ fn ordinary(range: &Range, parts: &Parts, chain: bool, stream: &mut Stream, out:
 }
 
 /// What is special about bones.
-struct Kind {
-    kind: usize,
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// One has no length.
+    NoLength,
+    /// All are equal.
+    Equal,
+    /// Their ends are lattice points.
+    Lattice,
+    /// They are at rest.
+    Rest,
+    /// One counts.
+    One,
+    /// All count.
+    All,
+    /// One is short.
+    Short,
+    Ordinary,
+}
+
+impl Kind {
+    /// The special ones, which are as likely as each other.
+    const SPECIAL: [Self; 7] =
+        [Self::NoLength, Self::Equal, Self::Lattice, Self::Rest, Self::One, Self::All, Self::Short];
+}
+
+/// How bones are made.
+struct Plan {
+    kind: Kind,
     /// Each root is the tip before.
     chain: bool,
     /// The bone that is short.
     degenerate: usize,
 }
 
-/// Writes bones one by one; ordinary ones as well, for a kind that there is not.
-fn special(range: &Range, parts: &Parts, how: Kind, stream: &mut Stream, out: &mut [u32]) {
-    let Kind { kind, chain, degenerate } = how;
+/// Writes bones one by one; ordinary ones as well.
+fn one_by_one(range: &Range, parts: &Parts, plan: Plan, stream: &mut Stream, out: &mut [u32]) {
+    let Plan { kind, chain, degenerate } = plan;
     let Parts { count, roots, tips, matrices, rows } = *parts;
     let mut tip = DVec3::ZERO;
     let point = |stream: &mut Stream| match kind {
-        2 => matrix::lattice(range, stream),
+        Kind::Lattice => matrix::lattice(range, stream),
         _ => matrix::point(range, stream),
     };
     for bone in 0..count {
         let root = if chain && bone > 0 { tip } else { point(stream) };
         tip = match kind {
-            0 if bone == degenerate => root,
+            Kind::NoLength if bone == degenerate => root,
             // Between the length zero and ordinary ones: a threshold on the length must not hide.
-            6 if bone == degenerate => root + (point(stream) - root) * NEAR,
+            Kind::Short if bone == degenerate => root + (point(stream) - root) * NEAR,
             _ => point(stream),
         };
         let blend = match kind {
-            3 => DMat4::IDENTITY,
-            2 => {
+            Kind::Rest => DMat4::IDENTITY,
+            Kind::Lattice => {
                 // Turns that map axes to axes about a lattice point keep all entries whole numbers.
                 let turn = matrix::quarter_turns(stream);
                 with_translation(turn, root - turn * root)
@@ -125,7 +151,7 @@ fn special(range: &Range, parts: &Parts, how: Kind, stream: &mut Stream, out: &m
         write_points(parts, bone, [root, tip], out);
         matrix::write(&blend, &mut out[matrices + bone * 16..][..16]);
     }
-    if kind == 1 {
+    if kind == Kind::Equal {
         for bone in 1..count {
             out.copy_within(roots..roots + rows, roots + bone * rows);
             out.copy_within(tips..tips + rows, tips + bone * rows);
@@ -176,20 +202,22 @@ impl Generator for Bones {
         let count = parts.count;
         let range = group.range();
         let kind = match stream.one_in(SPECIAL) {
-            _ if place.exact => 2,
-            true => stream.below(7),
-            false => usize::MAX,
+            _ if place.exact => Kind::Lattice,
+            true => Kind::SPECIAL[stream.below(Kind::SPECIAL.len())],
+            false => Kind::Ordinary,
         };
         out[0] = match kind {
-            4 => 1,
-            5 => count,
+            Kind::One => 1,
+            Kind::All => count,
             _ => 1 + stream.below(count),
         } as u32;
         let chain = stream.bits() & 1 == 0;
         let degenerate = stream.below(out[0] as usize);
         match kind {
-            0..4 | 6 => special(range, &parts, Kind { kind, chain, degenerate }, stream, out),
-            _ => ordinary(range, &parts, chain, stream, out),
+            Kind::One | Kind::All | Kind::Ordinary => ordinary(range, &parts, chain, stream, out),
+            Kind::NoLength | Kind::Equal | Kind::Lattice | Kind::Rest | Kind::Short => {
+                one_by_one(range, &parts, Plan { kind, chain, degenerate }, stream, out);
+            }
         }
     }
 
@@ -326,8 +354,8 @@ mod tests {
                 let range = [Range::new(-2.0, 2.0), Range::new(1.0, 1.5)][seed as usize / 2 % 2];
                 let [mut first, mut second] = [Stream::new(seed), Stream::new(seed)];
                 ordinary(&range, &parts, chain, &mut first, &mut ours);
-                let how = Kind { kind: usize::MAX, chain, degenerate: 0 };
-                special(&range, &parts, how, &mut second, &mut single);
+                let plan = Plan { kind: Kind::Ordinary, chain, degenerate: 0 };
+                one_by_one(&range, &parts, plan, &mut second, &mut single);
                 assert_eq!(ours, single, "{count} {seed}");
                 assert_eq!(first.bits(), second.bits());
                 // Each word was written, but for the number of bones.

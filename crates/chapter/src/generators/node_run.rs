@@ -16,13 +16,32 @@ use property::{Stream, mix};
 /// and fro between two places, all in the origin. Special nodes: lattice points and edge values.
 pub struct NodeRun;
 
-/// Kinds of strands: five special ones and the ordinary one.
-const ORDINARY: usize = 5;
+/// What is special about the nodes of a strand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// All are at one place.
+    OnePlace,
+    /// Two neighbours are at one place.
+    Pair,
+    /// All are on a line.
+    Line,
+    /// They go to and fro between two places.
+    ToAndFro,
+    /// All are in the origin.
+    Origin,
+    Ordinary,
+}
+
+impl Kind {
+    /// The special ones, which are as likely as each other.
+    const SPECIAL: [Self; 5] = [Self::OnePlace, Self::Pair, Self::Line, Self::ToAndFro, Self::Origin];
+}
 
 /// One strand, as a function from the index of a node to its place.
 struct Strand {
     seed: u64,
-    kind: usize,
+    kind: Kind,
+    /// The first of the two neighbours.
     pair: usize,
 }
 
@@ -30,7 +49,8 @@ impl Strand {
     fn new(case_seed: u64, strand: usize) -> Self {
         let seed = mix(mix(case_seed, u64::MAX), strand as u64);
         let mut stream = Stream::new(seed);
-        let kind = if stream.one_in(SPECIAL) { stream.below(ORDINARY) } else { ORDINARY };
+        let special = stream.one_in(SPECIAL);
+        let kind = if special { Kind::SPECIAL[stream.below(Kind::SPECIAL.len())] } else { Kind::Ordinary };
         Self { seed, kind, pair: stream.below(4) }
     }
 
@@ -40,17 +60,17 @@ impl Strand {
         let bits = |n: usize| mix(mix(self.seed, n as u64), c as u64);
         let end = |n: usize| f64::from(range.on_grid(bits(n)));
         match self.kind {
-            0 => end(0),
-            2 => {
+            Kind::OnePlace => end(0),
+            Kind::Line => {
                 // Eighths of the way between two places, there and back.
                 let step = n % 16;
                 let step = if step > 8 { 16 - step } else { step };
                 end(0) + (end(1) - end(0)) * step as f64 / 8.0
             }
-            3 => end(n % 2),
-            4 => f64::from(range.clamp(0.0)),
-            kind => {
-                let n = if kind == 1 && n == self.pair + 1 { self.pair } else { n };
+            Kind::ToAndFro => end(n % 2),
+            Kind::Origin => f64::from(range.clamp(0.0)),
+            Kind::Pair | Kind::Ordinary => {
+                let n = if self.kind == Kind::Pair && n == self.pair + 1 { self.pair } else { n };
                 let choice = mix(mix(self.seed, n as u64), u64::MAX);
                 f64::from(match choice % 16 {
                     0 => range.lattice(bits(n)),

@@ -17,6 +17,25 @@ use super::arm::{bent, joint};
 /// turn (where a connecting part collapses), parts that do not hang together.
 pub struct RigidParts;
 
+/// What is special about parts.
+#[derive(Clone, Copy)]
+enum Kind {
+    /// All are equal.
+    Equal,
+    /// All are the identity.
+    Identity,
+    /// Each is turned back by half a turn.
+    Back,
+    /// They do not hang together.
+    Apart,
+    Ordinary,
+}
+
+impl Kind {
+    /// The special ones, which are as likely as each other.
+    const SPECIAL: [Self; 4] = [Self::Equal, Self::Identity, Self::Back, Self::Apart];
+}
+
 /// `m` turned by `turn` about a point.
 fn turned_about(m: &DMat4, joint: DVec3, turn: DMat3) -> DMat4 {
     *m * with_translation(turn, joint - turn * joint)
@@ -45,20 +64,21 @@ impl Generator for RigidParts {
 
     fn fill(&self, group: &Group, _place: Place, stream: &mut Stream, out: &mut [u32]) {
         let range = group.range();
-        let kind = if stream.one_in(SPECIAL) { stream.below(4) } else { 4 };
+        let special = stream.one_in(SPECIAL);
+        let kind = if special { Kind::SPECIAL[stream.below(Kind::SPECIAL.len())] } else { Kind::Ordinary };
         let mut m = match kind {
-            1 => DMat4::IDENTITY,
-            3 => matrix::special_rigid(range, stream),
-            _ => matrix::rigid(range, stream),
+            Kind::Identity => DMat4::IDENTITY,
+            Kind::Apart => matrix::special_rigid(range, stream),
+            Kind::Equal | Kind::Back | Kind::Ordinary => matrix::rigid(range, stream),
         };
         let half_turn = DMat3::from_diagonal(DVec3::new(-1.0, -1.0, 1.0));
         for element in group.elements() {
             matrix::write(&m, &mut out[element.clone()]);
             m = match kind {
-                0 | 1 => m,
-                2 => turned_about(&m, matrix::lattice(range, stream), half_turn),
-                3 => matrix::special_rigid(range, stream),
-                _ => {
+                Kind::Equal | Kind::Identity => m,
+                Kind::Back => turned_about(&m, matrix::lattice(range, stream), half_turn),
+                Kind::Apart => matrix::special_rigid(range, stream),
+                Kind::Ordinary => {
                     let turn = DMat3::from_quat(matrix::rotation(stream));
                     turned_about(&m, matrix::point(range, stream), turn)
                 }
