@@ -100,7 +100,7 @@ impl Build<'_> {
 
     /// The buffer of a texture, image or counter, made when it is first used.
     fn buffer(&mut self, opaque: &Opaque, ty: OpaqueType, span: Span) -> Result<Buffer> {
-        if let Some(buffer) = self.buffers.get(&opaque.key) {
+        if let Some(buffer) = self.made.buffers.get(&opaque.key) {
             return Ok(*buffer);
         }
         let name: String = opaque.key.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
@@ -158,7 +158,7 @@ impl Build<'_> {
             self.memory_behind(&opaque.key, variable, &inside, access == all, span);
             Buffer { variable, cell, sized, atomic }
         };
-        self.buffers.insert(opaque.key.clone(), buffer);
+        self.made.buffers.insert(opaque.key.clone(), buffer);
         Ok(buffer)
     }
 }

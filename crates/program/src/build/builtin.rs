@@ -101,15 +101,15 @@ impl Build<'_> {
         let info = self.shader.symbol(symbol);
         let name = info.name.clone();
         if let Some(n) = self.limit(&name) {
-            self.globals.insert(symbol, Global::Number(n));
+            self.made.globals.insert(symbol, Global::Number(n));
             return Ok(());
         }
         if let Some(op) = super::subgroup::mask(&name) {
-            self.globals.insert(symbol, Global::SubgroupMask(op));
+            self.made.globals.insert(symbol, Global::SubgroupMask(op));
             return Ok(());
         }
         if self.numbers_by_index(&name) {
-            self.globals.insert(symbol, Global::ByIndex(name));
+            self.made.globals.insert(symbol, Global::ByIndex(name));
             return Ok(());
         }
         let ty = match name.as_str() {
@@ -119,15 +119,15 @@ impl Build<'_> {
         };
         if ty.contains_opaque() {
             let global = Global::Opaque { key: name, ty, data: None, image: ImageLayout::default() };
-            self.globals.insert(symbol, global);
+            self.made.globals.insert(symbol, global);
             return Ok(());
         }
         let written = self.shader.is_written(symbol);
         let handle = self.make_builtin(&name, &ty, written, span)?;
         if info.read_only && !is_state(&name) {
-            self.stage_inputs.push((name, handle, span));
+            self.ports.stage_inputs.push((name, handle, span));
         }
-        self.globals.insert(symbol, Global::Whole { handle, ty });
+        self.made.globals.insert(symbol, Global::Whole { handle, ty });
         Ok(())
     }
 
@@ -140,21 +140,21 @@ impl Build<'_> {
             _ => Type::MAT4,
         };
         if let Some(symbol) = self.shader.builtin(name) {
-            if !self.globals.contains_key(&symbol) {
+            if !self.made.globals.contains_key(&symbol) {
                 self.builtin(symbol, span)?;
             }
-            if let Some(Global::Whole { handle, .. }) = self.globals.get(&symbol) {
+            if let Some(Global::Whole { handle, .. }) = self.made.globals.get(&symbol) {
                 return Ok((*handle, ty));
             }
         }
-        if let Some(&handle) = self.unnamed.get(name) {
+        if let Some(&handle) = self.made.unnamed.get(name) {
             return Ok((handle, ty));
         }
         let handle = self.make_builtin(name, &ty, false, span)?;
         if ty == Type::UINT {
-            self.stage_inputs.push((name.to_owned(), handle, span));
+            self.ports.stage_inputs.push((name.to_owned(), handle, span));
         }
-        self.unnamed.insert(name.to_owned(), handle);
+        self.made.unnamed.insert(name.to_owned(), handle);
         Ok((handle, ty))
     }
 
@@ -179,10 +179,10 @@ impl Build<'_> {
                 "gl_Layer" | "gl_ViewportIndex" | "gl_SamplePosition" | "gl_ClipDistance" | "gl_CullDistance",
             ) => self.varying_in(name, ty, ty, span),
             (Stage::Fragment, "gl_HelperInvocation") => {
-                let start = self.incoming.len();
+                let start = self.ports.incoming.len();
                 let handle = self.varying_in(name, ty, &Type::UINT, span)?;
                 // The argument is a number, which is turned where it is kept.
-                for incoming in self.incoming.iter_mut().skip(start) {
+                for incoming in self.ports.incoming.iter_mut().skip(start) {
                     incoming.ty = Type::BOOL;
                 }
                 Ok(handle)
@@ -199,9 +199,9 @@ impl Build<'_> {
             }
             (Stage::Geometry | Stage::TessControl | Stage::TessEvaluation, "gl_in") => {
                 let handle = self.private(name, ty, span)?;
-                let others = std::mem::take(&mut self.inputs);
+                let others = std::mem::take(&mut self.ports.inputs);
                 self.vertices(name, ty, handle, span)?;
-                self.inputs.extend(others);
+                self.ports.inputs.extend(others);
                 Ok(handle)
             }
             (Stage::Compute, "gl_WorkGroupSize") => self.workgroup_size(name, ty, span),
@@ -237,7 +237,7 @@ impl Build<'_> {
         let of_vertex = matches!(name, "gl_Position" | "gl_PointSize" | "gl_ClipDistance" | "gl_CullDistance");
         if written || !of_vertex {
             let ports = self.port_out(name, ty, handle, span)?;
-            self.built_in_outputs.extend(ports);
+            self.ports.built_in_outputs.extend(ports);
         }
         Ok(handle)
     }

@@ -47,7 +47,7 @@ impl Fun<'_, '_> {
             }
         }
         let handle = self.build.function(function, opaques, span)?;
-        let sites = self.build.sites.get(&handle).copied().unwrap_or(0);
+        let sites = self.build.leaving.sites.get(&handle).copied().unwrap_or(0);
         self.before_call(sites, true);
         let returns = info.return_type != Type::Void;
         let result = returns.then(|| self.add(Expression::CallResult(handle)));
@@ -55,9 +55,9 @@ impl Fun<'_, '_> {
         self.before_call(sites, false);
         self.sites = self.sites.saturating_add(sites);
         if sites > 0 && self.in_loop {
-            self.build.unfed.push(("a derivative in a loop".to_owned(), span));
+            self.build.ports.unfed.push(("a derivative in a loop".to_owned(), span));
         }
-        if self.build.stopping.contains(&handle) {
+        if self.build.leaving.stopping.contains(&handle) {
             self.leave_if_discarded(span)?;
         }
         for (local, target) in back {
@@ -78,20 +78,20 @@ impl Build<'_> {
         span: Span,
     ) -> Result<Handle<naga::Function>> {
         let key = (id, opaques.iter().map(|o| o.key.clone()).collect::<Vec<_>>());
-        if let Some(&handle) = self.functions.get(&key) {
+        if let Some(&handle) = self.made.functions.get(&key) {
             return Ok(handle);
         }
         let shader = self.shader;
         let info = shader.function_info(id);
         let name = info.name.name.clone();
-        if self.active.contains(&id) {
+        if self.made.active.contains(&id) {
             return Err(self.unsupported(span, format!("`{name}`, which calls itself"), "write a loop"));
         }
         let Some(body) = shader.function_syntax(info).and_then(|f| f.body.as_ref()) else {
             let help = "put the text that defines it before this one";
             return Err(self.unsupported(span, format!("`{name}`, which is declared and never defined,"), help));
         };
-        self.active.push(id);
+        self.made.active.push(id);
         let mut f = Fun::new(self, info.return_type.clone());
         f.at = info.name.span;
         let mut arguments = Vec::new();
@@ -142,13 +142,13 @@ impl Build<'_> {
         let function = f.finish(&name, arguments, result);
         let handle = self.module.functions.append(function, super::naga_span(info.name.span));
         if stops {
-            self.stopping.insert(handle);
+            self.leaving.stopping.insert(handle);
         }
         if sites > 0 {
-            self.sites.insert(handle, sites);
+            self.leaving.sites.insert(handle, sites);
         }
-        self.active.pop();
-        self.functions.insert(key, handle);
+        self.made.active.pop();
+        self.made.functions.insert(key, handle);
         Ok(handle)
     }
 }

@@ -15,21 +15,21 @@ pub const DISCARD: &str = "discard";
 
 impl Build<'_> {
     fn discarded(&mut self) -> Handle<GlobalVariable> {
-        if let Some(handle) = self.discard {
+        if let Some(handle) = self.leaving.discard {
             return handle;
         }
         let ty = self.insert(None, TypeInner::Scalar(naga::Scalar::BOOL));
         let handle = capture::add_global(&mut self.module, "sc_discarded", AddressSpace::Private, None, ty);
-        self.discard = Some(handle);
+        self.leaving.discard = Some(handle);
         handle
     }
 
     /// Adds the output, where the shader discards.
     pub(super) fn discard_output(&mut self) {
-        let Some(handle) = self.discard.filter(|_| self.discards) else { return };
+        let Some(handle) = self.leaving.discard.filter(|_| self.leaving.discards) else { return };
         let field = Field { name: DISCARD.to_owned(), shape: Shape::vector(Scalar::Bool, 1) };
         let ty = self.module.global_variables[handle].ty;
-        self.outputs.push(Port { field, ty, at: PortAt::Global(handle), backing: None });
+        self.ports.outputs.push(Port { field, ty, at: PortAt::Global(handle), backing: None });
     }
 }
 
@@ -37,7 +37,7 @@ impl Fun<'_, '_> {
     /// `discard`
     pub(super) fn discard(&mut self, span: Span) -> Result<()> {
         self.build.differs = true;
-        self.build.discards = true;
+        self.build.leaving.discards = true;
         self.stop(span)
     }
 
@@ -56,7 +56,7 @@ impl Fun<'_, '_> {
 
     /// Before anything is run.
     pub(super) fn not_discarded(&mut self) {
-        if self.build.discard.is_some() {
+        if self.build.leaving.discard.is_some() {
             self.set_discarded(false);
         }
     }
@@ -66,7 +66,7 @@ impl Fun<'_, '_> {
         self.stops = true;
         if self.in_step {
             let what = "a function that discards, called in the step of a loop,";
-            self.build.unfed.push((what.to_owned(), span));
+            self.build.ports.unfed.push((what.to_owned(), span));
             return Ok(());
         }
         let value = match self.result.clone() {
@@ -81,7 +81,7 @@ impl Fun<'_, '_> {
     }
 
     fn was_discarded(&mut self) -> Option<Expr> {
-        let handle = self.build.discard?;
+        let handle = self.build.leaving.discard?;
         let pointer = self.add(Expression::GlobalVariable(handle));
         Some(self.add(Expression::Load { pointer }))
     }
@@ -94,8 +94,8 @@ impl Fun<'_, '_> {
 
     /// The outputs of a stage become zeros.
     pub(super) fn clear_if_discarded(&mut self) -> Result<()> {
-        let mut all: Vec<Handle<GlobalVariable>> = self.build.outgoing.iter().map(|o| o.from).collect();
-        for port in self.build.outputs.iter().chain(&self.build.built_in_outputs) {
+        let mut all: Vec<Handle<GlobalVariable>> = self.build.ports.outgoing.iter().map(|o| o.from).collect();
+        for port in self.build.ports.outputs.iter().chain(&self.build.ports.built_in_outputs) {
             match port.at {
                 PortAt::Global(handle) | PortAt::Member(handle, _) | PortAt::Part { global: handle, .. } => {
                     all.push(handle);

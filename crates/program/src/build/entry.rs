@@ -20,7 +20,7 @@ impl Build<'_> {
     pub(super) fn entry(&mut self, main: FunctionId) -> Result<()> {
         let span = self.shader.function_info(main).name.span;
         let function = self.function(main, Vec::new(), span)?;
-        if self.shader.stage() == Stage::Vertex && !self.outgoing.iter().any(|o| o.name == "gl_Position") {
+        if self.shader.stage() == Stage::Vertex && !self.ports.outgoing.iter().any(|o| o.name == "gl_Position") {
             // A vertex stage need not write a position (GLSL 4.60, 7.1); naga wants one.
             let ty = Type::VEC4;
             let handle = self.private("gl_Position", &ty, span)?;
@@ -29,7 +29,7 @@ impl Build<'_> {
         }
         let invocations = self.shader.interface().geometry.invocations.map_or(1, |n| n.value);
         let counter = self.shader.builtin("gl_InvocationID");
-        let initial = self.initial.clone();
+        let initial = self.made.initial.clone();
         let mut f = Fun::new(self, Type::Void);
         f.at = span;
         for k in 0..invocations {
@@ -46,7 +46,7 @@ impl Build<'_> {
                 }
                 Ok(())
             };
-            let sites = f.build.sites.get(&function).copied().unwrap_or(0);
+            let sites = f.build.leaving.sites.get(&function).copied().unwrap_or(0);
             if sites > 0 {
                 f.run_quads(sites, span, &mut |f, member| {
                     f.step_inputs(member)?;
@@ -66,7 +66,7 @@ impl Build<'_> {
                 f.push(Statement::Call { function, arguments: Vec::new(), result: None });
             }
         }
-        let incoming = f.build.incoming.clone();
+        let incoming = f.build.ports.incoming.clone();
         let mut more = f.build.shared_arguments(span)?;
         let (first, ()) = f.block(|f| {
             f.fill(&incoming)?;
@@ -76,7 +76,7 @@ impl Build<'_> {
         f.at = span;
         f.clear_if_discarded()?;
         f.build.settle_sources();
-        let outgoing = if f.build.takes_vertices() { Vec::new() } else { f.build.outgoing.clone() };
+        let outgoing = if f.build.takes_vertices() { Vec::new() } else { f.build.ports.outgoing.clone() };
         let result = f.hand_on(&outgoing)?;
         let mut arguments: Vec<_> = incoming.into_iter().map(|i| i.argument).collect();
         arguments.append(&mut more);
@@ -105,7 +105,7 @@ impl Build<'_> {
             task_payload: None,
             incoming_ray_payload: None,
         });
-        self.inputs.append(&mut self.drawn);
+        self.ports.inputs.append(&mut self.ports.drawn);
         self.settle_outputs();
         self.discard_output();
         Ok(())
@@ -113,7 +113,7 @@ impl Build<'_> {
 
     /// Sources of blending are told apart where there are two of them. `index = 0` alone is what an output is without it.
     fn settle_sources(&mut self) {
-        let sources = self.outgoing.iter_mut().filter_map(|output| match &mut output.binding {
+        let sources = self.ports.outgoing.iter_mut().filter_map(|output| match &mut output.binding {
             Binding::Location { blend_src, .. } => Some(blend_src),
             Binding::BuiltIn(_) => None,
         });
@@ -126,8 +126,8 @@ impl Build<'_> {
 
     /// Outputs of one member are read from what the entry point returns.
     fn settle_outputs(&mut self) {
-        let mut all = std::mem::take(&mut self.built_in_outputs);
-        all.append(&mut self.outputs);
+        let mut all = std::mem::take(&mut self.ports.built_in_outputs);
+        all.append(&mut self.ports.outputs);
         if !self.takes_vertices() {
             for port in &mut all {
                 let (handle, path): (Handle<GlobalVariable>, Vec<u32>) = match &port.at {
@@ -137,7 +137,7 @@ impl Build<'_> {
                     _ => continue,
                 };
                 let same = |o: &&Outgoing| o.from == handle && o.path.starts_with(&path);
-                let mut found = self.outgoing.iter().enumerate().filter(|(_, o)| same(o));
+                let mut found = self.ports.outgoing.iter().enumerate().filter(|(_, o)| same(o));
                 if let (Some((k, o)), None) = (found.next(), found.next())
                     && o.path == path
                     && path.is_empty()
@@ -147,7 +147,7 @@ impl Build<'_> {
                 }
             }
         }
-        self.outputs = all;
+        self.ports.outputs = all;
     }
 }
 

@@ -68,14 +68,14 @@ fn limit(name: &str) -> Option<i32> {
 impl<'s> Build<'s> {
     /// The symbols that a declared name makes. A macro that declares a name twice has one place for both.
     pub(super) fn declared(&self, name: &Ident) -> Vec<SymbolId> {
-        self.by_place.get(&(name.span.start, name.name.clone())).cloned().unwrap_or_default()
+        self.made.by_place.get(&(name.span.start, name.name.clone())).cloned().unwrap_or_default()
     }
 
     /// The initialiser of a constant.
     pub(super) fn initializer(&self, symbol: SymbolId) -> Option<ExprId> {
         let interface = self.shader.interface();
         let global = interface.constants.iter().find(|v| v.symbol == symbol).and_then(|v| v.initializer);
-        global.or_else(|| self.local_constants.get(&symbol).copied())
+        global.or_else(|| self.made.local_constants.get(&symbol).copied())
     }
 
     /// An array without a written size takes the one of its initialiser, or of its greatest index.
@@ -196,7 +196,7 @@ impl<'s> Build<'s> {
         for symbol in self.shader.symbols().filter(|(_, s)| s.span.is_some()) {
             let (id, symbol) = symbol;
             let place = symbol.span.unwrap_or_default().start;
-            self.by_place.entry((place, symbol.name.clone())).or_default().push(id);
+            self.made.by_place.entry((place, symbol.name.clone())).or_default().push(id);
         }
         let mut items: Vec<(usize, usize, Declared<'s>)> = Vec::new();
         for v in &interface.uniforms {
@@ -228,7 +228,7 @@ impl<'s> Build<'s> {
     }
 
     fn declare_uniform(&mut self, v: &'s interface::Variable) -> Result<()> {
-        if self.globals.contains_key(&v.symbol) {
+        if self.made.globals.contains_key(&v.symbol) {
             return Ok(());
         }
         if v.qualifiers.is_subroutine() {
@@ -250,12 +250,12 @@ impl<'s> Build<'s> {
             }
             Global::Whole { handle: self.uniform(&v.name, &ty, v.name_span)?, ty }
         };
-        self.globals.insert(v.symbol, global);
+        self.made.globals.insert(v.symbol, global);
         Ok(())
     }
 
     fn declare_global(&mut self, v: &'s interface::Variable) -> Result<()> {
-        if self.shader.uses_of(v.symbol).next().is_none() || self.globals.contains_key(&v.symbol) {
+        if self.shader.uses_of(v.symbol).next().is_none() || self.made.globals.contains_key(&v.symbol) {
             return Ok(());
         }
         let shared = v.storage == Storage::Shared;
@@ -267,7 +267,7 @@ impl<'s> Build<'s> {
             && matches!(ty, Type::Scalar(_) | Type::Vector(..))
             && let Some(value) = v.initializer
         {
-            self.globals.insert(v.symbol, Global::Constant { value, ty });
+            self.made.globals.insert(v.symbol, Global::Constant { value, ty });
             return Ok(());
         }
         let handle = if shared {
@@ -285,10 +285,10 @@ impl<'s> Build<'s> {
             let constant = if again && v.storage != Storage::Const { None } else { self.constant(value, &ty)? };
             match constant {
                 Some(init) => self.module.global_variables[handle].init = Some(init),
-                None => self.initial.push((v.symbol, value)),
+                None => self.made.initial.push((v.symbol, value)),
             }
         }
-        self.globals.insert(v.symbol, Global::Whole { handle, ty });
+        self.made.globals.insert(v.symbol, Global::Whole { handle, ty });
         Ok(())
     }
 
@@ -400,7 +400,7 @@ impl<'s> Build<'s> {
             _ => {}
         }
         if let Some(symbol) = block.symbol {
-            self.globals.insert(symbol, Global::Whole { handle, ty });
+            self.made.globals.insert(symbol, Global::Whole { handle, ty });
             return Ok(());
         }
         let Type::Struct(s) = &ty else { return Ok(()) };
@@ -410,7 +410,7 @@ impl<'s> Build<'s> {
             };
             let field = s.fields.iter().find(|f| f.name == member.name.name);
             let ty = field.map_or(Type::Error, |f| f.ty.clone());
-            self.globals.insert(symbol, Global::Member { handle, index, ty });
+            self.made.globals.insert(symbol, Global::Member { handle, index, ty });
         }
         Ok(())
     }
@@ -537,7 +537,7 @@ impl Fun<'_, '_> {
     /// What a name at file scope means in this function.
     pub(super) fn global(&mut self, symbol: SymbolId, span: Span) -> Result<Option<Var>> {
         let info = self.shader.symbol(symbol);
-        if !self.build.globals.contains_key(&symbol) {
+        if !self.build.made.globals.contains_key(&symbol) {
             match info.kind {
                 SymbolKind::Builtin => self.build.builtin(symbol, span)?,
                 SymbolKind::Global(_) | SymbolKind::BlockMember(_) | SymbolKind::BlockInstance(_)
@@ -552,7 +552,7 @@ impl Fun<'_, '_> {
                 SymbolKind::Param(_) | SymbolKind::Local => return Ok(None),
             }
         }
-        let Some(global) = self.build.globals.get(&symbol).cloned() else { return Ok(None) };
+        let Some(global) = self.build.made.globals.get(&symbol).cloned() else { return Ok(None) };
         Ok(Some(match global {
             Global::Whole { handle, ty } => Var::Place(self.whole(handle, ty)),
             Global::Member { handle, index, ty } => {

@@ -159,7 +159,7 @@ impl<'s> Build<'s> {
     }
 
     pub(super) fn not_fed(&mut self, what: Vec<String>, span: Span) {
-        self.unfed.extend(what.into_iter().map(|what| (what, span)));
+        self.ports.unfed.extend(what.into_iter().map(|what| (what, span)));
     }
 
     /// Keeps the locations that the text gives.
@@ -170,15 +170,16 @@ impl<'s> Build<'s> {
             for v in variables {
                 if let Some(first) = self.written(&v.qualifiers, "location") {
                     let count = u32::try_from(leaves(&v.ty).len()).unwrap_or(1);
-                    if input { &mut self.in_locations } else { &mut self.out_locations }.reserve(first, count);
+                    if input { &mut self.ports.in_locations } else { &mut self.ports.out_locations }
+                        .reserve(first, count);
                 }
             }
         }
         for (index, block) in interface.blocks.iter().enumerate() {
             let ty = self.block_type(index).unwrap_or(Type::Error);
             let locations = match block.storage {
-                Storage::In => &mut self.in_locations,
-                Storage::Out => &mut self.out_locations,
+                Storage::In => &mut self.ports.in_locations,
+                Storage::Out => &mut self.ports.out_locations,
                 _ => continue,
             };
             let at = |q: &Qualifiers| {
@@ -222,14 +223,14 @@ impl<'s> Build<'s> {
     ) -> Result<()> {
         let leaves = leaves(ty);
         let count = u32::try_from(leaves.len()).unwrap_or(1);
-        let first = first.unwrap_or_else(|| self.in_locations.take(count));
+        let first = first.unwrap_or_else(|| self.ports.in_locations.take(count));
         if self.is_shared(true, first, count) {
             let pieces = leaves.into_iter().map(|(inner, leaf)| ([path, &inner].concat(), leaf)).collect();
             self.share(true, handle, pieces, first, qualifiers, span)?;
             self.not_fed(vec![format!("`{name}`, which shares a location,")], span);
             return Ok(());
         }
-        let start = u32::try_from(self.incoming.len()).unwrap_or(0);
+        let start = u32::try_from(self.ports.incoming.len()).unwrap_or(0);
         for (k, (inner, leaf)) in leaves.into_iter().enumerate() {
             let binding = self.location(&leaf, first + u32::try_from(k).unwrap_or(0), true, qualifiers);
             let argument = FunctionArgument {
@@ -238,7 +239,7 @@ impl<'s> Build<'s> {
                 binding: Some(binding),
             };
             let path = [path, &inner].concat();
-            self.incoming.push(Incoming { argument, to: handle, path, ty: leaf });
+            self.ports.incoming.push(Incoming { argument, to: handle, path, ty: leaf });
         }
         let (mut found, mut unfed) = (Vec::new(), Vec::new());
         parts(name, ty, &[], &mut found, &mut unfed);
@@ -258,7 +259,7 @@ impl<'s> Build<'s> {
     pub(super) fn port_in(&mut self, name: &str, ty: &Type, at: PortAt, span: Span) -> Result<()> {
         if let Some(shape) = ty.shape() {
             let ty = self.value_type(ty, span)?;
-            self.inputs.push(Port { field: Field { name: name.to_owned(), shape }, ty, at, backing: None });
+            self.ports.inputs.push(Port { field: Field { name: name.to_owned(), shape }, ty, at, backing: None });
         }
         Ok(())
     }
@@ -275,7 +276,7 @@ impl<'s> Build<'s> {
     ) -> Result<()> {
         let leaves = leaves(ty);
         let count = u32::try_from(leaves.len()).unwrap_or(1);
-        let first = first.unwrap_or_else(|| self.out_locations.take(count));
+        let first = first.unwrap_or_else(|| self.ports.out_locations.take(count));
         if self.is_shared(false, first, count) {
             let pieces = leaves.into_iter().map(|(inner, leaf)| ([path, &inner].concat(), leaf)).collect();
             return self.share(false, handle, pieces, first, qualifiers, span);
@@ -288,7 +289,7 @@ impl<'s> Build<'s> {
                 *blend_src = Some(index);
             }
             let path = [path, &inner].concat();
-            self.outgoing.push(Outgoing { name: name.to_owned(), binding, from: handle, path, ty: leaf });
+            self.ports.outgoing.push(Outgoing { name: name.to_owned(), binding, from: handle, path, ty: leaf });
         }
         Ok(())
     }
@@ -303,7 +304,7 @@ impl<'s> Build<'s> {
         built_in: naga::BuiltIn,
     ) {
         let binding = Binding::BuiltIn(built_in);
-        self.outgoing.push(Outgoing { name: name.to_owned(), binding, from: handle, path, ty: ty.clone() });
+        self.ports.outgoing.push(Outgoing { name: name.to_owned(), binding, from: handle, path, ty: ty.clone() });
     }
 
     /// Ports of an output variable.
@@ -363,7 +364,7 @@ impl<'s> Build<'s> {
                 };
             }
             let at = self.at(handle, &part.path);
-            self.uniforms.push(Port { field: Field { name: part.name, shape }, ty: inner, at, backing: None });
+            self.ports.uniforms.push(Port { field: Field { name: part.name, shape }, ty: inner, at, backing: None });
         }
         self.not_fed(unfed, span);
     }
@@ -375,7 +376,7 @@ impl<'s> Build<'s> {
         let read_only = QualifierKind::Memory(MemoryQualifier::ReadOnly);
         let written = !block.qualifiers.list.iter().any(|q| q.kind == read_only);
         self.memory_behind(&prefix, global, &closed(ty), written, block.name.span);
-        if let (Type::Array(..), Some(last)) = (ty, self.memory.last_mut()) {
+        if let (Type::Array(..), Some(last)) = (ty, self.ports.memory.last_mut()) {
             // Each is bound by itself.
             last.partial = true;
         }
@@ -395,7 +396,7 @@ impl<'s> Build<'s> {
         let shaped = |part: Part| part.ty.shape().map(|shape| (part.name, part.path, shape));
         let message = "memory that is written or read by index cannot be fed or read".to_owned();
         let reported = Diagnostic::new(UNSUPPORTED, Severity::Error, self.shader.file(), span, message);
-        self.memory.push(Memory {
+        self.ports.memory.push(Memory {
             global,
             parts: found.into_iter().filter_map(shaped).collect(),
             written,
@@ -406,7 +407,7 @@ impl<'s> Build<'s> {
     }
 
     pub(super) fn declare_input(&mut self, v: &'s interface::Variable) -> Result<()> {
-        if v.name.starts_with("gl_") || self.globals.contains_key(&v.symbol) {
+        if v.name.starts_with("gl_") || self.made.globals.contains_key(&v.symbol) {
             return Ok(());
         }
         let mut ty = self.with_size(v.symbol, &self.with_dims(&v.ty, &self.dims_of(v)));
@@ -414,14 +415,14 @@ impl<'s> Build<'s> {
             ty = super::statement::with_length(&v.ty, n);
         }
         let handle = self.private(&v.name, &ty, v.name_span)?;
-        self.stage_inputs.push((v.name.clone(), handle, v.name_span));
+        self.ports.stage_inputs.push((v.name.clone(), handle, v.name_span));
         if self.takes_vertices() {
             self.vertices(&v.name, &ty, handle, v.name_span)?;
         } else if self.shader.stage() != Stage::Library {
             let first = self.declarator_location(v);
             self.located_input(&v.name, &ty, (handle, &[]), first, &[&v.qualifiers], v.name_span)?;
         }
-        self.globals.insert(v.symbol, super::global::Global::Whole { handle, ty });
+        self.made.globals.insert(v.symbol, super::global::Global::Whole { handle, ty });
         Ok(())
     }
 
@@ -435,7 +436,7 @@ impl<'s> Build<'s> {
     }
 
     pub(super) fn declare_output(&mut self, v: &'s interface::Variable) -> Result<()> {
-        if v.name.starts_with("gl_") || self.globals.contains_key(&v.symbol) {
+        if v.name.starts_with("gl_") || self.made.globals.contains_key(&v.symbol) {
             return Ok(());
         }
         let mut ty = self.with_size(v.symbol, &self.with_dims(&v.ty, &self.dims_of(v)));
@@ -448,8 +449,8 @@ impl<'s> Build<'s> {
             self.located_output(&v.name, &ty, (handle, &[]), first, &[&v.qualifiers], v.name_span)?;
         }
         let ports = self.port_out(&v.name, &ty, handle, v.name_span)?;
-        self.outputs.extend(ports);
-        self.globals.insert(v.symbol, super::global::Global::Whole { handle, ty });
+        self.ports.outputs.extend(ports);
+        self.made.globals.insert(v.symbol, super::global::Global::Whole { handle, ty });
         Ok(())
     }
 
@@ -461,7 +462,7 @@ impl<'s> Build<'s> {
         ty: &Type,
     ) -> Result<()> {
         let block = &self.shader.interface().blocks[index];
-        self.stage_inputs.push((block.name.name.clone(), handle, block.name.span));
+        self.ports.stage_inputs.push((block.name.name.clone(), handle, block.name.span));
         if self.takes_vertices() {
             return self.vertices(prefix, ty, handle, block.name.span);
         }
@@ -496,7 +497,7 @@ impl<'s> Build<'s> {
             )?;
         }
         let ports = self.port_out(prefix, ty, handle, block.name.span)?;
-        self.outputs.extend(ports);
+        self.ports.outputs.extend(ports);
         Ok(())
     }
 
@@ -541,21 +542,21 @@ impl<'s> Build<'s> {
     ) -> Result<()> {
         let ty = self.value_type(given, span)?;
         let binding = Some(Binding::BuiltIn(built_in));
-        let index = u32::try_from(self.incoming.len()).unwrap_or(0);
+        let index = u32::try_from(self.ports.incoming.len()).unwrap_or(0);
         let argument = FunctionArgument { name: Some(name.to_owned()), ty, binding };
-        self.incoming.push(Incoming { argument, to: handle, path, ty: kept.clone() });
+        self.ports.incoming.push(Incoming { argument, to: handle, path, ty: kept.clone() });
         // A compute stage is dispatched alone, and a host decides for itself.
         if !self.run || !matches!(self.shader.stage(), Stage::Vertex | Stage::Fragment) {
-            self.built_ins.push((index, built_in));
+            self.ports.built_ins.push((index, built_in));
             return Ok(());
         }
-        let before = self.inputs.len();
+        let before = self.ports.inputs.len();
         self.port_in(name, kept, PortAt::Argument(index), span)?;
-        for port in &mut self.inputs[before..] {
+        for port in &mut self.ports.inputs[before..] {
             port.ty = ty;
         }
         if self.shader.stage() == Stage::Vertex {
-            self.drawn.extend(self.inputs.drain(before..));
+            self.ports.drawn.extend(self.ports.inputs.drain(before..));
         }
         Ok(())
     }

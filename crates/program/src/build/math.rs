@@ -296,7 +296,7 @@ impl Fun<'_, '_> {
         }
         if self.build.run {
             self.build.differs = true;
-            self.build.unfed.push((format!("`{function}` outside of the `main` of a fragment shader"), span));
+            self.build.ports.unfed.push((format!("`{function}` outside of the `main` of a fragment shader"), span));
         }
         Ok(Val { e: self.add(Expression::Derivative { axis, ctrl, expr: value.e }), ty: value.ty })
     }

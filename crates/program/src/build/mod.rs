@@ -88,6 +88,25 @@ struct Build<'s> {
     shader: &'s Shader,
     module: Module,
     layouter: Layouter,
+    /// Values of constant expressions.
+    reals: Reals,
+    /// True for the module that is run, false for the one that a host gets.
+    run: bool,
+    /// The two differ.
+    differs: bool,
+    workgroup: [u32; 3],
+    /// Numbers of 8 bits stand in buffers as those of 32.
+    wide_bytes: bool,
+    /// Types for which that was done.
+    widened: Vec<String>,
+    made: Made,
+    ports: Ports,
+    leaving: Leaving,
+}
+
+/// What was made of the names of the text.
+#[derive(Default)]
+struct Made {
     globals: HashMap<SymbolId, global::Global>,
     /// Symbols by place and name of their declaration.
     by_place: HashMap<(usize, String), Vec<SymbolId>>,
@@ -98,17 +117,20 @@ struct Build<'s> {
     textures: HashMap<String, texture::Texture>,
     /// Counters, textures and images that are buffers.
     buffers: HashMap<String, buffer::Buffer>,
-    /// What the harness binds.
-    bound: Vec<super::Texture>,
     /// Built-in variables that the text does not name.
     unnamed: HashMap<String, Handle<GlobalVariable>>,
-    next_binding: u32,
     /// Initialisers of constants in functions.
     local_constants: HashMap<SymbolId, ExprId>,
-    /// Values of constant expressions.
-    reals: Reals,
     /// Initial values that are computed when the program starts.
     initial: Vec<(SymbolId, ExprId)>,
+}
+
+/// What goes into the entry point and comes out of it.
+#[derive(Default)]
+struct Ports {
+    /// What the harness binds.
+    bound: Vec<super::Texture>,
+    next_binding: u32,
     incoming: Vec<io::Incoming>,
     outgoing: Vec<io::Outgoing>,
     /// Locations that several variables share, and what lies in each.
@@ -128,11 +150,12 @@ struct Build<'s> {
     unfed: Vec<Unfed>,
     /// Storage blocks.
     memory: Vec<Memory>,
-    /// True for the module that is run, false for the one that a host gets.
-    run: bool,
-    /// The two differ.
-    differs: bool,
-    /// Whether the invocation leaves all its functions: it is discarded, or stops at a derivative.
+}
+
+/// How an invocation leaves all its functions: it is discarded, or stops at a derivative.
+#[derive(Default)]
+struct Leaving {
+    /// Whether it does.
     discard: Option<Handle<GlobalVariable>>,
     /// It can be discarded.
     discards: bool,
@@ -142,11 +165,6 @@ struct Build<'s> {
     sites: HashMap<Handle<Function>, u32>,
     /// Functions behind whose calls the invocation may be discarded.
     stopping: HashSet<Handle<Function>>,
-    workgroup: [u32; 3],
-    /// Numbers of 8 bits stand in buffers as those of 32.
-    wide_bytes: bool,
-    /// Types for which that was done.
-    widened: Vec<String>,
 }
 
 /// Builds a program out of a shader in which the front end found no error.
@@ -177,49 +195,21 @@ fn one(
         shader,
         module: Module::default(),
         layouter: Layouter::default(),
-        globals: HashMap::new(),
-        by_place: HashMap::new(),
-        functions: HashMap::new(),
-        active: Vec::new(),
-        emission: HashMap::new(),
-        textures: HashMap::new(),
-        buffers: HashMap::new(),
-        bound: Vec::new(),
-        unnamed: HashMap::new(),
-        next_binding: 0,
-        local_constants: HashMap::new(),
         reals,
-        initial: Vec::new(),
-        incoming: Vec::new(),
-        outgoing: Vec::new(),
-        shared: shared::Shared::default(),
-        in_locations: io::Locations::default(),
-        out_locations: io::Locations::default(),
-        inputs: Vec::new(),
-        uniforms: Vec::new(),
-        built_in_outputs: Vec::new(),
-        outputs: Vec::new(),
-        built_ins: Vec::new(),
-        drawn: Vec::new(),
-        stage_inputs: Vec::new(),
-        unfed: Vec::new(),
-        memory: Vec::new(),
         run,
         differs: false,
-        discard: None,
-        discards: false,
-        quad: None,
-        sites: HashMap::new(),
-        stopping: HashSet::new(),
         workgroup: workgroup(shader)?,
         wide_bytes: shader.defines().iter().any(|(name, _)| name == WIDE_BYTES),
         widened: Vec::new(),
+        made: Made::default(),
+        ports: Ports::default(),
+        leaving: Leaving::default(),
     };
     let built = contain(|| build.run(target))
         .map_err(|panic| ProgramError::internal(format!("a module cannot be built: {panic}")))?;
     let (entry, role) = built.map_err(|refused| ProgramError::Source(vec![*refused]))?;
-    let Build { module, inputs, uniforms, outputs, built_ins, mut unfed, bound, stage_inputs, memory, differs, .. } =
-        build;
+    let Build { module, ports, differs, .. } = build;
+    let Ports { inputs, uniforms, outputs, built_ins, mut unfed, bound, stage_inputs, memory, .. } = ports;
     let info = front::validate_text(shader.file(), &module)?;
     if let Entry::Function(function) = entry {
         let read = stage_inputs.into_iter().filter(|(_, handle, _)| !info[function][*handle].is_empty());
@@ -322,7 +312,7 @@ impl Build<'_> {
         if input.is_none() || output.is_none() || max.is_none() {
             // Another text of the stage may have the layout: the module stands, and is not run.
             let what = "a geometry shader without `layout(…) in;` or `layout(…, max_vertices = N) out;`";
-            self.unfed.push((what.to_owned(), Span::at(0)));
+            self.ports.unfed.push((what.to_owned(), Span::at(0)));
         }
         // Invocations run one after the other, and all that they emit comes out.
         let most = max.map_or(1, |m| m.value).saturating_mul(layout.invocations.map_or(1, |n| n.value));
@@ -355,14 +345,14 @@ impl Build<'_> {
 
     /// A function that capture fills in.
     fn emission(&mut self, name: &str) -> Handle<Function> {
-        if let Some(&handle) = self.emission.get(name) {
+        if let Some(&handle) = self.made.emission.get(name) {
             return handle;
         }
         let mut body = naga::Block::new();
         body.push(naga::Statement::Return { value: None }, naga::Span::UNDEFINED);
         let function = Function { name: Some(name.to_owned()), body, ..Function::default() };
         let handle = self.module.functions.append(function, naga::Span::UNDEFINED);
-        self.emission.insert(name.to_owned(), handle);
+        self.made.emission.insert(name.to_owned(), handle);
         handle
     }
 

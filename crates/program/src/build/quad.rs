@@ -47,7 +47,7 @@ impl Build<'_> {
     }
 
     fn quad(&mut self) -> Quad {
-        if let Some(quad) = self.quad {
+        if let Some(quad) = self.leaving.quad {
             return quad;
         }
         let word = self.insert(None, TypeInner::Scalar(naga::Scalar::U32));
@@ -64,7 +64,7 @@ impl Build<'_> {
             values: add("sc_values", values),
             known: add("sc_known", known),
         };
-        self.quad = Some(quad);
+        self.leaving.quad = Some(quad);
         quad
     }
 }
@@ -102,7 +102,7 @@ impl Fun<'_, '_> {
         let before = self.sites;
         self.sites += 1;
         if self.in_loop {
-            self.build.unfed.push(("a derivative in a loop".to_owned(), span));
+            self.build.ports.unfed.push(("a derivative in a loop".to_owned(), span));
         }
         let n = value.ty.components().unwrap_or(1);
         let zero = self.number(ScalarType::Float, 0.0);
@@ -178,7 +178,7 @@ impl Fun<'_, '_> {
 
     /// Calls a function that comes to derivatives with the number of those before it.
     pub(super) fn before_call(&mut self, sites: u32, forth: bool) {
-        let Some(quad) = self.build.quad.filter(|_| sites > 0) else { return };
+        let Some(quad) = self.build.leaving.quad.filter(|_| sites > 0) else { return };
         let at = self.get_word(quad.at);
         let before = self.word(self.sites);
         let at = self.two(if forth { B::Add } else { B::Subtract }, at, before);
@@ -195,7 +195,7 @@ impl Fun<'_, '_> {
     ) -> Result<()> {
         let quad = self.build.quad();
         if sites > MOST {
-            self.build.unfed.push((format!("a shader with more than {MOST} derivatives"), span));
+            self.build.ports.unfed.push((format!("a shader with more than {MOST} derivatives"), span));
         }
         let runs = 4 * sites.min(MOST);
         let known = self.build.module.global_variables[quad.known].ty;
@@ -231,7 +231,7 @@ impl Fun<'_, '_> {
 
     /// The inputs of a member.
     pub(super) fn step_inputs(&mut self, member: Expr) -> Result<()> {
-        let incoming: Vec<Incoming> = self.build.incoming.clone();
+        let incoming: Vec<Incoming> = self.build.ports.incoming.clone();
         let mut number = 0;
         for (k, input) in incoming.iter().enumerate() {
             let at_pixel =

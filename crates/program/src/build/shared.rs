@@ -77,7 +77,7 @@ impl Build<'_> {
             }
         }
         for (input, first, count) in found {
-            self.shared.at.extend((first..).take(count).map(|l| (input, l)));
+            self.ports.shared.at.extend((first..).take(count).map(|l| (input, l)));
         }
         // Attributes may stand at one location, of which one is read (OpenGL 4.6, 11.1.1).
         if self.shader.stage() == Stage::Vertex {
@@ -85,14 +85,14 @@ impl Build<'_> {
             for v in &interface.inputs {
                 let Some(first) = self.declarator_location(v) else { continue };
                 let all = (first..).take(leaves(&v.ty).len());
-                self.shared.at.extend(all.filter(|l| !seen.insert(*l)).map(|l| (true, l)));
+                self.ports.shared.at.extend(all.filter(|l| !seen.insert(*l)).map(|l| (true, l)));
             }
         }
     }
 
     /// True when one of these locations is shared.
     pub(super) fn is_shared(&self, input: bool, first: u32, count: u32) -> bool {
-        (first..first.saturating_add(count)).any(|l| self.shared.at.contains(&(input, l)))
+        (first..first.saturating_add(count)).any(|l| self.ports.shared.at.contains(&(input, l)))
     }
 
     /// Puts the parts of a variable into its locations, one after the other.
@@ -114,7 +114,7 @@ impl Build<'_> {
                 return Err(self.unsupported(span, "a `double` in a shared location", "use a location of its own"));
             }
             let binding = self.location(&ty, location, input, qualifiers);
-            let all = if input { &mut self.shared.inputs } else { &mut self.shared.outputs };
+            let all = if input { &mut self.ports.shared.inputs } else { &mut self.ports.shared.outputs };
             let vector = all.entry(location).or_insert(Vector { binding, scalar, pieces: Vec::new() });
             vector.pieces.push(Piece { variable, path, ty, first: component });
         }
@@ -124,7 +124,7 @@ impl Build<'_> {
     /// Arguments of the entry point behind all others.
     pub(super) fn shared_arguments(&mut self, span: Span) -> Result<Vec<FunctionArgument>> {
         let mut arguments = Vec::new();
-        for (location, vector) in self.shared.inputs.clone() {
+        for (location, vector) in self.ports.shared.inputs.clone() {
             let width = u8::try_from(vector.width()).unwrap_or(4);
             let ty = self.value_type(&Type::vector(vector.scalar, width), span)?;
             let name = Some(format!("sc_location_{location}"));
@@ -155,7 +155,7 @@ impl Fun<'_, '_> {
 
     /// Fills the variables from the arguments from index `first` on.
     pub(super) fn fill_shared(&mut self, first: usize) -> Result<()> {
-        for (k, vector) in self.build.shared.inputs.clone().into_values().enumerate() {
+        for (k, vector) in self.build.ports.shared.inputs.clone().into_values().enumerate() {
             let index = u32::try_from(first + k).unwrap_or(u32::MAX);
             let e = self.add(Expression::FunctionArgument(index));
             let width = u8::try_from(vector.width()).unwrap_or(4);
@@ -179,7 +179,7 @@ impl Fun<'_, '_> {
         members: &mut Vec<StructMember>,
         mut offset: u32,
     ) -> Result<u32> {
-        for (location, vector) in self.build.shared.outputs.clone() {
+        for (location, vector) in self.build.ports.shared.outputs.clone() {
             let width = u8::try_from(vector.width()).unwrap_or(4);
             let mut parts = vec![self.number(vector.scalar, 0.0); usize::from(width)];
             for piece in &vector.pieces {
@@ -204,6 +204,6 @@ impl Fun<'_, '_> {
 
     /// True when something goes out through a shared location.
     pub(super) fn shares_outputs(&self) -> bool {
-        !self.build.shared.outputs.is_empty()
+        !self.build.ports.shared.outputs.is_empty()
     }
 }

@@ -25,17 +25,17 @@ impl Build<'_> {
             return Err(self.unsupported(other.name.span, format!("`{name}`, which is overloaded,"), "rename one"));
         }
         // Outputs of a stage are nothing that a function gives back.
-        self.outputs.clear();
-        self.inputs.clear();
+        self.ports.outputs.clear();
+        self.ports.inputs.clear();
         let mut handle = self.function(id, Vec::new(), info.name.span)?;
-        if !self.initial.is_empty() || self.discard.is_some() {
+        if !self.made.initial.is_empty() || self.leaving.discard.is_some() {
             handle = self.around(handle, (id, name))?;
         }
-        self.built_ins.clear();
-        self.drawn.clear();
-        self.built_in_outputs.clear();
-        self.inputs.clear();
-        self.outputs.clear();
+        self.ports.built_ins.clear();
+        self.ports.drawn.clear();
+        self.ports.built_in_outputs.clear();
+        self.ports.inputs.clear();
+        self.ports.outputs.clear();
         if info.return_type != Type::Void {
             self.parameter("return", &info.return_type, PortAt::Result, info.name.span, false)?;
         }
@@ -53,20 +53,20 @@ impl Build<'_> {
             }
         }
         self.discard_output();
-        if self.outputs.is_empty() {
-            self.unfed.push((format!("`{name}`, which gives nothing back,"), info.name.span));
+        if self.ports.outputs.is_empty() {
+            self.ports.unfed.push((format!("`{name}`, which gives nothing back,"), info.name.span));
         }
         Ok((Entry::Function(handle), Role::Function { name: name.to_owned() }))
     }
 
     fn parameter(&mut self, name: &str, ty: &Type, at: PortAt, span: Span, input: bool) -> Result<()> {
         let Some(shape) = ty.shape() else {
-            self.unfed.push((format!("`{name}` of type `{ty}`"), span));
+            self.ports.unfed.push((format!("`{name}` of type `{ty}`"), span));
             return Ok(());
         };
         let ty = self.value_type(ty, span)?;
         let port = Port { field: Field { name: name.to_owned(), shape }, ty, at, backing: None };
-        if input { &mut self.inputs } else { &mut self.outputs }.push(port);
+        if input { &mut self.ports.inputs } else { &mut self.ports.outputs }.push(port);
         Ok(())
     }
 
@@ -81,7 +81,7 @@ impl Build<'_> {
             let function = &self.module.functions[inner];
             (function.arguments.clone(), function.result.clone())
         };
-        let initial = self.initial.clone();
+        let initial = self.made.initial.clone();
         let mut f = Fun::new(self, Type::Void);
         for (symbol, value) in initial {
             f.at = f.shader.expr(value).span;
@@ -95,7 +95,7 @@ impl Build<'_> {
             // Pointers are passed on as they are.
             passed.push(f.add(Expression::FunctionArgument(u32::try_from(k).unwrap_or(0))));
         }
-        let sites = f.build.sites.get(&inner).copied().unwrap_or(0);
+        let sites = f.build.leaving.sites.get(&inner).copied().unwrap_or(0);
         let value = if sites > 0 {
             f.call_quads(inner, (id, sites), &passed)?
         } else {

@@ -138,7 +138,7 @@ impl Fun<'_, '_> {
             let ty = self.build.with_dims(&self.shader.symbol(first).ty, &dims);
             if let Some(initializer) = declarator.initializer.as_ref().filter(|_| declaration.qualifiers.is_const()) {
                 for &symbol in &symbols {
-                    self.build.local_constants.insert(symbol, initializer.value);
+                    self.build.made.local_constants.insert(symbol, initializer.value);
                 }
             }
             let value = match &declarator.initializer {

@@ -71,16 +71,16 @@ impl Build<'_> {
     }
 
     fn stream_variable(&mut self, span: Span) -> Result<Handle<GlobalVariable>> {
-        if let Some(&handle) = self.unnamed.get(STREAM) {
+        if let Some(&handle) = self.made.unnamed.get(STREAM) {
             return Ok(handle);
         }
         let ty = self.value_type(&Type::INT, span)?;
         let handle = self.variable(STREAM, AddressSpace::Private, ty);
         if let Some(shape) = Type::INT.shape() {
             let field = Field { name: STREAM.to_owned(), shape };
-            self.built_in_outputs.push(Port { field, ty, at: PortAt::Global(handle), backing: None });
+            self.ports.built_in_outputs.push(Port { field, ty, at: PortAt::Global(handle), backing: None });
         }
-        self.unnamed.insert(STREAM.to_owned(), handle);
+        self.made.unnamed.insert(STREAM.to_owned(), handle);
         Ok(handle)
     }
 }
@@ -100,12 +100,13 @@ impl Fun<'_, '_> {
             // Each output is undefined behind the call (GLSL 4.60, 8.15), so that those of other streams,
             // which this vertex does not have, can be 0 in it.
             for symbol in self.build.outputs_beside(stream) {
-                if let Some(Global::Whole { handle, .. }) = self.build.globals.get(&symbol).cloned() {
+                if let Some(Global::Whole { handle, .. }) = self.build.made.globals.get(&symbol).cloned() {
                     let ty = self.build.module.global_variables[handle].ty;
                     let pointer = self.add(Expression::GlobalVariable(handle));
                     let value = self.add(Expression::ZeroValue(ty));
                     self.push(Statement::Store { pointer, value });
-                } else if let Some(Global::Member { handle, index, .. }) = self.build.globals.get(&symbol).cloned() {
+                } else if let Some(Global::Member { handle, index, .. }) = self.build.made.globals.get(&symbol).cloned()
+                {
                     let whole = self.build.module.global_variables[handle].ty;
                     let ty = self.build.members(whole)[index as usize];
                     let base = self.add(Expression::GlobalVariable(handle));

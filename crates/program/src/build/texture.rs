@@ -61,7 +61,7 @@ fn kind(scalar: ScalarType) -> ScalarKind {
 impl Build<'_> {
     /// The variables of a sampler or image, made when it is first used.
     pub(super) fn texture(&mut self, opaque: &Opaque, ty: OpaqueType, span: Span) -> Result<Texture> {
-        if let Some(texture) = self.textures.get(&opaque.key) {
+        if let Some(texture) = self.made.textures.get(&opaque.key) {
             return Ok(*texture);
         }
         let dim = match ty.dim {
@@ -111,12 +111,12 @@ impl Build<'_> {
         match TextureKind::of(dim, ty.arrayed, class) {
             Some(kind) => {
                 let contents = Arc::new(Image::procedural(&opaque.key, kind));
-                self.bound.push(Supplied { name: opaque.key.clone(), kind, image, sampler, contents });
+                self.ports.bound.push(Supplied { name: opaque.key.clone(), kind, image, sampler, contents });
             }
-            None => self.unfed.push((format!("`{}` of type `{ty}`", opaque.key), span)),
+            None => self.ports.unfed.push((format!("`{}` of type `{ty}`", opaque.key), span)),
         }
         let texture = Texture { image, sampler };
-        self.textures.insert(opaque.key.clone(), texture);
+        self.made.textures.insert(opaque.key.clone(), texture);
         Ok(texture)
     }
 
@@ -129,8 +129,8 @@ impl Build<'_> {
     ) -> Handle<GlobalVariable> {
         // Kernels fill uniforms themselves; what they hand on to the device has a group of its own.
         let group = if space == AddressSpace::Uniform { 0 } else { binding::TEXTURES };
-        let binding = ResourceBinding { group, binding: self.next_binding };
-        self.next_binding += 1;
+        let binding = ResourceBinding { group, binding: self.ports.next_binding };
+        self.ports.next_binding += 1;
         super::super::capture::add_global(&mut self.module, name, space, Some(binding), ty)
     }
 }
