@@ -153,64 +153,6 @@ impl Adversary {
     }
 }
 
-/// The operation of a profile; `None` for what profiles do not list as a scalar operation.
-pub(crate) fn unary_op(op: Unary) -> Option<Op> {
-    Some(match op {
-        Unary::Negate => Op::Neg,
-        Unary::Abs => Op::Abs,
-        Unary::Sign => Op::Sign,
-        Unary::Floor => Op::Floor,
-        Unary::Ceil => Op::Ceil,
-        Unary::Round => Op::RoundEven,
-        Unary::Trunc => Op::Trunc,
-        Unary::Fract => Op::Fract,
-        Unary::Sqrt => Op::Sqrt,
-        Unary::InverseSqrt => Op::InverseSqrt,
-        Unary::Exp => Op::Exp,
-        Unary::Exp2 => Op::Exp2,
-        Unary::Log => Op::Log,
-        Unary::Log2 => Op::Log2,
-        Unary::Sin => Op::Sin,
-        Unary::Cos => Op::Cos,
-        Unary::Tan => Op::Tan,
-        Unary::Asin => Op::Asin,
-        Unary::Acos => Op::Acos,
-        Unary::Atan => Op::Atan,
-        Unary::Sinh => Op::Sinh,
-        Unary::Cosh => Op::Cosh,
-        Unary::Tanh => Op::Tanh,
-        Unary::Asinh => Op::Asinh,
-        Unary::Acosh => Op::Acosh,
-        Unary::Atanh => Op::Atanh,
-        Unary::Radians => Op::Radians,
-        Unary::Degrees => Op::Degrees,
-        Unary::Half
-        | Unary::FrexpFraction
-        | Unary::NormalScale
-        | Unary::Determinant
-        | Unary::Inverse
-        | Unary::Narrow => {
-            return None;
-        }
-    })
-}
-
-/// The operation of a profile.
-pub(crate) fn binary_op(op: Binary) -> Op {
-    match op {
-        Binary::Add => Op::Add,
-        Binary::Subtract => Op::Sub,
-        Binary::Multiply => Op::Mul,
-        Binary::Divide => Op::Div,
-        Binary::Remainder => Op::Rem,
-        Binary::Min => Op::Min,
-        Binary::Max => Op::Max,
-        Binary::Pow => Op::Pow,
-        Binary::Atan2 => Op::Atan2,
-        Binary::Step => Op::Step,
-    }
-}
-
 impl Domain for Adversary {
     type Column = Column;
     type Word = u32;
@@ -245,7 +187,7 @@ impl Domain for Adversary {
             let own = self.operand(site, active, a);
             self.unary(at, op, active, own.as_ref().unwrap_or(a), out);
             // `normalize` ends with a product.
-            return self.lower(site, unary_op(op), active, a, out);
+            return self.lower(site, Op::of_unary(op).ok(), active, a, out);
         }
         out.rounded();
         let free = match op {
@@ -255,7 +197,7 @@ impl Domain for Adversary {
             _ => None,
         };
         let Column { values, products, .. } = out;
-        match (unary_op(op), free) {
+        match (Op::of_unary(op).ok(), free) {
             (Some(op), _) => {
                 let values = values.values_mut();
                 active.each(|slot| values[slot] = self.device.apply(op, &[a.wide(slot)], self.place(site, slot)));
@@ -279,17 +221,17 @@ impl Domain for Adversary {
             );
             let own = [a, b].map(|column| self.operand(site, active, column));
             self.binary(at, op, active, own[0].as_ref().unwrap_or(a), own[1].as_ref().unwrap_or(b), out);
-            return self.lower(site, Some(binary_op(op)), active, a, out);
+            return self.lower(site, Some(Op::of_binary(op)), active, a, out);
         }
         out.rounded();
         match op {
-            Binary::Add | Binary::Subtract => self.sum(site, binary_op(op), active, a, b, out),
+            Binary::Add | Binary::Subtract => self.sum(site, Op::of_binary(op), active, a, b, out),
             Binary::Multiply => self.product(site, active, a, b, out),
             _ => {
                 let values = out.values.values_mut();
                 active.each(|slot| {
                     let args = [a.wide(slot), b.wide(slot)];
-                    values[slot] = self.device.apply(binary_op(op), &args, self.place(site, slot));
+                    values[slot] = self.device.apply(Op::of_binary(op), &args, self.place(site, slot));
                 });
             }
         }

@@ -24,5 +24,4 @@ mod tests;
 pub use choice::{Place, Strategy};
 pub use device::{Device, Fault};
 pub use domain::{Adversary, Column};
-pub(crate) use domain::{binary_op, unary_op};
 pub use lane::AdversaryLane;

@@ -310,37 +310,7 @@ fn exact_range(op: Op, args: &[Interval]) -> Option<Interval> {
         return (!value.is_nan()).then_some(Interval::point(value));
     }
     match op {
-        // Monotone in each argument where defined.
-        Op::Add
-        | Op::Sub
-        | Op::Mul
-        | Op::Fma
-        | Op::Neg
-        | Op::Sign
-        | Op::Min
-        | Op::Max
-        | Op::Step
-        | Op::Floor
-        | Op::Ceil
-        | Op::Trunc
-        | Op::RoundEven
-        | Op::Sqrt
-        | Op::InverseSqrt
-        | Op::Radians
-        | Op::Degrees
-        | Op::Asin
-        | Op::Acos
-        | Op::Atan
-        | Op::Sinh
-        | Op::Tanh
-        | Op::Asinh
-        | Op::Acosh
-        | Op::Atanh
-        | Op::Exp
-        | Op::Exp2
-        | Op::Log
-        | Op::Log2
-        | Op::Pow => corners(arity),
+        _ if op.is_monotone() => corners(arity),
         Op::Div => {
             if args[1].contains(0.0) {
                 None
@@ -355,24 +325,6 @@ fn exact_range(op: Op, args: &[Interval]) -> Option<Interval> {
         Op::Sin | Op::Cos => Some(Interval { lo: -1.0, hi: 1.0 }),
         Op::Fract => Some(Interval { lo: 0.0, hi: 1.0 }),
         // Not needed by any definition.
-        Op::Rem
-        | Op::Mod
-        | Op::Tan
-        | Op::Ldexp
-        | Op::Convert
-        | Op::Mix
-        | Op::Clamp
-        | Op::SmoothStep
-        | Op::Dot
-        | Op::Length
-        | Op::Distance
-        | Op::Normalize
-        | Op::Cross
-        | Op::Reflect
-        | Op::Refract
-        | Op::FaceForward
-        | Op::MatrixProduct
-        | Op::Determinant
-        | Op::Inverse => None,
+        _ => None,
     }
 }

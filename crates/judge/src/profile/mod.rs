@@ -21,7 +21,7 @@ pub use accept::{Free, Sieve, accept, accept_near, may_promise};
 pub use device::{Identity, device_name};
 pub use grid::Interval;
 pub use measured::{BINS, CLASSES, Measured, Row, Table, bin_of, bounds_of_bin};
-pub use op::Op;
+pub use op::{Op, Unlisted};
 pub use promises::{Promises, promises};
 pub use read::{ProfileError, parse};
 pub use rule::{Condition, Definition, Piece, Quantity, Rule};

@@ -3,70 +3,89 @@
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// An operation on binary32 numbers, as profiles list them.
-///
-/// The first group is scalar: it has an exact value ([`Op::exact`]) and can be measured. The second
-/// group takes vectors or is made of several operations; a profile says by which formula it is
-/// bounded, and whoever propagates errors expands it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-#[expect(missing_docs, reason = "each operation is called as GLSL calls it; `glsl` gives the expression")]
-pub enum Op {
-    Add,
-    Sub,
-    Mul,
-    Div,
-    Rem,
-    Mod,
-    Fma,
-    Neg,
-    Abs,
-    Sign,
-    Min,
-    Max,
-    Step,
-    Floor,
-    Ceil,
-    Trunc,
-    RoundEven,
-    Fract,
-    Ldexp,
-    Sqrt,
-    InverseSqrt,
-    Radians,
-    Degrees,
-    Sin,
-    Cos,
-    Tan,
-    Asin,
-    Acos,
-    Atan,
-    Atan2,
-    Sinh,
-    Cosh,
-    Tanh,
-    Asinh,
-    Acosh,
-    Atanh,
-    Exp,
-    Exp2,
-    Log,
-    Log2,
-    Pow,
-    Convert,
-    Mix,
-    Clamp,
-    SmoothStep,
-    Dot,
-    Length,
-    Distance,
-    Normalize,
-    Cross,
-    Reflect,
-    Refract,
-    FaceForward,
-    MatrixProduct,
+use program::interp::{Binary, Unary};
+
+/// Monotone in each argument where it is defined.
+const MONOTONE: u8 = 1;
+/// Values of no form that binary64 holds: next to a binary32 number they may be off it by less than binary64 tells, as e^x is
+/// next to 1.
+const INEXACT: u8 = 2;
+
+/// Operations with their names, their numbers of scalar arguments, `-` where they have none, and what else holds for them.
+macro_rules! operations {
+    (@arity -) => { None };
+    (@arity $arity:literal) => { Some($arity) };
+    ($($op:ident $name:literal $arity:tt $($flag:ident)*;)*) => {
+        /// An operation on binary32 numbers, as profiles list them.
+        ///
+        /// Some are scalar: they have an exact value ([`Op::exact`]) and can be measured. The others take vectors or are made of
+        /// several operations; a profile says by which formula they are bounded, and whoever propagates errors expands them.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        #[expect(missing_docs, reason = "each operation is called as GLSL calls it; `glsl` gives the expression")]
+        pub enum Op {
+            $($op,)*
+        }
+
+        impl Op {
+            /// All operations, in the order of the tables.
+            pub const ALL: [Self; [$(Self::$op),*].len()] = [$(Self::$op),*];
+
+            /// Name in profiles and on the command line.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$op => $name,)*
+                }
+            }
+
+            /// Number of scalar arguments; `None` for operations on vectors and for those that are not one
+            /// operation of the device.
+            pub fn arity(self) -> Option<usize> {
+                match self {
+                    $(Self::$op => operations!(@arity $arity),)*
+                }
+            }
+
+            fn flags(self) -> u8 {
+                match self {
+                    $(Self::$op => 0 $(| $flag)*,)*
+                }
+            }
+        }
+    };
+}
+
+operations! {
+    Add "add" 2 MONOTONE; Sub "sub" 2 MONOTONE; Mul "mul" 2 MONOTONE; Div "div" 2; Rem "rem" 2; Mod "mod" 2;
+    Fma "fma" 3 MONOTONE; Neg "neg" 1 MONOTONE; Abs "abs" 1; Sign "sign" 1 MONOTONE; Min "min" 2 MONOTONE;
+    Max "max" 2 MONOTONE; Step "step" 2 MONOTONE; Floor "floor" 1 MONOTONE; Ceil "ceil" 1 MONOTONE;
+    Trunc "trunc" 1 MONOTONE; RoundEven "roundEven" 1 MONOTONE; Fract "fract" 1; Ldexp "ldexp" -;
+    Sqrt "sqrt" 1 MONOTONE; InverseSqrt "inversesqrt" 1 MONOTONE INEXACT; Radians "radians" 1 MONOTONE INEXACT;
+    Degrees "degrees" 1 MONOTONE INEXACT; Sin "sin" 1 INEXACT; Cos "cos" 1 INEXACT; Tan "tan" 1 INEXACT;
+    Asin "asin" 1 MONOTONE INEXACT; Acos "acos" 1 MONOTONE INEXACT; Atan "atan" 1 MONOTONE INEXACT;
+    Atan2 "atan2" 2 INEXACT; Sinh "sinh" 1 MONOTONE INEXACT; Cosh "cosh" 1 INEXACT; Tanh "tanh" 1 MONOTONE INEXACT;
+    Asinh "asinh" 1 MONOTONE INEXACT; Acosh "acosh" 1 MONOTONE INEXACT; Atanh "atanh" 1 MONOTONE INEXACT;
+    Exp "exp" 1 MONOTONE INEXACT; Exp2 "exp2" 1 MONOTONE INEXACT; Log "log" 1 MONOTONE INEXACT;
+    Log2 "log2" 1 MONOTONE INEXACT; Pow "pow" 2 MONOTONE INEXACT; Convert "convert" -; Mix "mix" -; Clamp "clamp" -;
+    SmoothStep "smoothstep" -; Dot "dot" -; Length "length" -; Distance "distance" -; Normalize "normalize" -;
+    Cross "cross" -; Reflect "reflect" -; Refract "refract" -; FaceForward "faceforward" -;
+    MatrixProduct "matrix-product" -; Determinant "determinant" -; Inverse "inverse" -;
+}
+
+/// What the interpreter does to one number that profiles do not list as one operation on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unlisted {
+    /// 1/√x of the square of a length.
+    NormalScale,
+    /// A mark on a determinant.
     Determinant,
+    /// A mark on a component of an inverse.
     Inverse,
+    /// To a lower precision.
+    Narrow,
+    /// To binary16.
+    Half,
+    /// The fraction of `frexp`.
+    FrexpFraction,
 }
 
 use Op::*;
@@ -75,145 +94,54 @@ use Op::*;
 pub type ColumnFunction = fn(&[f64], &mut [f64]);
 
 impl Op {
-    /// All operations, in the order of the tables.
-    pub const ALL: [Self; 56] = [
-        Add,
-        Sub,
-        Mul,
-        Div,
-        Rem,
-        Mod,
-        Fma,
-        Neg,
-        Abs,
-        Sign,
-        Min,
-        Max,
-        Step,
-        Floor,
-        Ceil,
-        Trunc,
-        RoundEven,
-        Fract,
-        Ldexp,
-        Sqrt,
-        InverseSqrt,
-        Radians,
-        Degrees,
-        Sin,
-        Cos,
-        Tan,
-        Asin,
-        Acos,
-        Atan,
-        Atan2,
-        Sinh,
-        Cosh,
-        Tanh,
-        Asinh,
-        Acosh,
-        Atanh,
-        Exp,
-        Exp2,
-        Log,
-        Log2,
-        Pow,
-        Convert,
-        Mix,
-        Clamp,
-        SmoothStep,
-        Dot,
-        Length,
-        Distance,
-        Normalize,
-        Cross,
-        Reflect,
-        Refract,
-        FaceForward,
-        MatrixProduct,
-        Determinant,
-        Inverse,
-    ];
-
-    /// Name in profiles and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Add => "add",
-            Sub => "sub",
-            Mul => "mul",
-            Div => "div",
-            Rem => "rem",
-            Mod => "mod",
-            Fma => "fma",
-            Neg => "neg",
-            Abs => "abs",
-            Sign => "sign",
-            Min => "min",
-            Max => "max",
-            Step => "step",
-            Floor => "floor",
-            Ceil => "ceil",
-            Trunc => "trunc",
-            RoundEven => "roundEven",
-            Fract => "fract",
-            Ldexp => "ldexp",
-            Sqrt => "sqrt",
-            InverseSqrt => "inversesqrt",
-            Radians => "radians",
-            Degrees => "degrees",
-            Sin => "sin",
-            Cos => "cos",
-            Tan => "tan",
-            Asin => "asin",
-            Acos => "acos",
-            Atan => "atan",
-            Atan2 => "atan2",
-            Sinh => "sinh",
-            Cosh => "cosh",
-            Tanh => "tanh",
-            Asinh => "asinh",
-            Acosh => "acosh",
-            Atanh => "atanh",
-            Exp => "exp",
-            Exp2 => "exp2",
-            Log => "log",
-            Log2 => "log2",
-            Pow => "pow",
-            Convert => "convert",
-            Mix => "mix",
-            Clamp => "clamp",
-            SmoothStep => "smoothstep",
-            Dot => "dot",
-            Length => "length",
-            Distance => "distance",
-            Normalize => "normalize",
-            Cross => "cross",
-            Reflect => "reflect",
-            Refract => "refract",
-            FaceForward => "faceforward",
-            MatrixProduct => "matrix-product",
-            Determinant => "determinant",
-            Inverse => "inverse",
-        }
-    }
-
     /// The operation of this name.
     pub fn by_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|op| op.name() == name)
     }
 
-    /// Number of scalar arguments; `None` for operations on vectors and for those that are not one
-    /// operation of the device.
-    pub fn arity(self) -> Option<usize> {
-        Some(match self {
-            Neg | Abs | Sign | Floor | Ceil | Trunc | RoundEven | Fract | Sqrt | InverseSqrt | Radians | Degrees
-            | Sin | Cos | Tan | Asin | Acos | Atan | Sinh | Cosh | Tanh | Asinh | Acosh | Atanh | Exp | Exp2 | Log
-            | Log2 => 1,
-            Add | Sub | Mul | Div | Rem | Mod | Min | Max | Step | Atan2 | Pow => 2,
-            Fma => 3,
-            Ldexp | Convert | Mix | Clamp | SmoothStep | Dot | Length | Distance | Normalize | Cross | Reflect
-            | Refract | FaceForward | MatrixProduct | Determinant | Inverse => return None,
-        })
+    /// True where it is monotone in each argument, as far as it is defined.
+    pub fn is_monotone(self) -> bool {
+        self.flags() & MONOTONE != 0
+    }
+
+    /// True where its values are of no form that binary64 holds.
+    pub fn is_inexact(self) -> bool {
+        self.flags() & INEXACT != 0
+    }
+
+    /// What the interpreter does to one number.
+    pub fn of_unary(op: Unary) -> Result<Self, Unlisted> {
+        macro_rules! alike {
+            ($($op:ident)*) => { match op {
+                $(Unary::$op => Ok($op),)*
+                Unary::Negate => Ok(Neg),
+                Unary::Round => Ok(RoundEven),
+                Unary::NormalScale => Err(Unlisted::NormalScale),
+                Unary::Determinant => Err(Unlisted::Determinant),
+                Unary::Inverse => Err(Unlisted::Inverse),
+                Unary::Narrow => Err(Unlisted::Narrow),
+                Unary::Half => Err(Unlisted::Half),
+                Unary::FrexpFraction => Err(Unlisted::FrexpFraction),
+            } };
+        }
+        alike!(Abs Sign Floor Ceil Trunc Fract Sqrt InverseSqrt Exp Exp2 Log Log2 Sin Cos Tan Asin Acos Atan Sinh Cosh Tanh
+            Asinh Acosh Atanh Radians Degrees)
+    }
+
+    /// What the interpreter does to two numbers.
+    pub fn of_binary(op: Binary) -> Self {
+        match op {
+            Binary::Add => Add,
+            Binary::Subtract => Sub,
+            Binary::Multiply => Mul,
+            Binary::Divide => Div,
+            Binary::Remainder => Rem,
+            Binary::Min => Min,
+            Binary::Max => Max,
+            Binary::Pow => Pow,
+            Binary::Atan2 => Atan2,
+            Binary::Step => Step,
+        }
     }
 
     /// The value in real numbers, in binary64 with an error below 2 ULP of binary64 for the functions

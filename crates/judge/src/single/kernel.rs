@@ -23,56 +23,8 @@ pub fn expression(op: Op) -> Option<String> {
         Op::Div => Some("x / y".to_owned()),
         Op::Neg => Some("-x".to_owned()),
         Op::Atan2 => call("atan"),
-        Op::Step
-        | Op::Mod
-        | Op::Fma
-        | Op::Abs
-        | Op::Sign
-        | Op::Min
-        | Op::Max
-        | Op::Floor
-        | Op::Ceil
-        | Op::Trunc
-        | Op::RoundEven
-        | Op::Fract
-        | Op::Sqrt
-        | Op::InverseSqrt
-        | Op::Radians
-        | Op::Degrees
-        | Op::Sin
-        | Op::Cos
-        | Op::Tan
-        | Op::Asin
-        | Op::Acos
-        | Op::Atan
-        | Op::Sinh
-        | Op::Cosh
-        | Op::Tanh
-        | Op::Asinh
-        | Op::Acosh
-        | Op::Atanh
-        | Op::Exp
-        | Op::Exp2
-        | Op::Log
-        | Op::Log2
-        | Op::Pow => call(op.name()),
-        Op::Rem
-        | Op::Ldexp
-        | Op::Convert
-        | Op::Mix
-        | Op::Clamp
-        | Op::SmoothStep
-        | Op::Dot
-        | Op::Length
-        | Op::Distance
-        | Op::Normalize
-        | Op::Cross
-        | Op::Reflect
-        | Op::Refract
-        | Op::FaceForward
-        | Op::MatrixProduct
-        | Op::Determinant
-        | Op::Inverse => None,
+        Op::Rem => None,
+        _ => call(op.name()),
     }
 }
 

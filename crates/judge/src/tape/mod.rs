@@ -286,19 +286,7 @@ impl Domain for Tape<'_> {
 
     fn binary(&mut self, site: Site, op: Binary, active: &Mask, a: &Column, b: &Column, out: &mut Column) {
         let (a, b) = (self.id(a), self.id(b));
-        let op = match op {
-            Binary::Add => Op::Add,
-            Binary::Subtract => Op::Sub,
-            Binary::Multiply => Op::Mul,
-            Binary::Divide => Op::Div,
-            Binary::Remainder => Op::Rem,
-            Binary::Min => Op::Min,
-            Binary::Max => Op::Max,
-            Binary::Pow => Op::Pow,
-            Binary::Atan2 => Op::Atan2,
-            Binary::Step => Op::Step,
-        };
-        let id = self.apply2(site, op, active, a, b);
+        let id = self.apply2(site, Op::of_binary(op), active, a, b);
         self.hold(out, id);
     }
 

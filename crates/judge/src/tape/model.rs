@@ -210,32 +210,7 @@ fn lost(op: Op, args: &[Arg<'_>], value: &Slots) -> Slots {
                 }
             });
         }
-        // Functions whose values are of no such form: next to a binary32 number they may be off it by less than binary64
-        // tells, as e^x is next to 1.
-        (
-            Op::InverseSqrt
-            | Op::Radians
-            | Op::Degrees
-            | Op::Sin
-            | Op::Cos
-            | Op::Tan
-            | Op::Asin
-            | Op::Acos
-            | Op::Atan
-            | Op::Atan2
-            | Op::Sinh
-            | Op::Cosh
-            | Op::Tanh
-            | Op::Asinh
-            | Op::Acosh
-            | Op::Atanh
-            | Op::Exp
-            | Op::Exp2
-            | Op::Log
-            | Op::Log2
-            | Op::Pow,
-            _,
-        ) => number::wide(|| {
+        _ if op.is_inexact() => number::wide(|| {
             for slot in 0..SLOTS {
                 out[slot] = value[slot] * BINARY64;
             }

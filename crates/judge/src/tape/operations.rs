@@ -10,7 +10,7 @@ use super::model::Arg;
 use super::paths::Step;
 use super::rounded::either_side;
 use crate::profile::grid::MIN_NORMAL;
-use crate::profile::{Definition, Op};
+use crate::profile::{Definition, Op, Unlisted};
 
 use program::interp::{Mask, SLOTS, Site, Unary};
 
@@ -18,43 +18,16 @@ impl Tape<'_> {
     /// An operation on one number.
     pub(super) fn apply1(&mut self, site: Site, op: Unary, active: &Mask, a: Id) -> Id {
         let a = self.operand(site, a);
-        let op = match op {
-            Unary::Negate => return self.sum(Some(site), Op::Neg, a, a, (-1.0, 0.0)),
-            Unary::NormalScale => return self.normal_scale(site, active, a),
-            Unary::Determinant => return self.mark(site, Op::Determinant, a),
-            Unary::Inverse => return self.mark(site, Op::Inverse, a),
-            Unary::Narrow => return self.narrow(site, a),
-            Unary::Half => return self.half(site, a),
-            Unary::FrexpFraction => return self.frexp_fraction(site, a),
-            Unary::Abs => Op::Abs,
-            Unary::Sign => Op::Sign,
-            Unary::Floor => Op::Floor,
-            Unary::Ceil => Op::Ceil,
-            Unary::Round => Op::RoundEven,
-            Unary::Trunc => Op::Trunc,
-            Unary::Fract => Op::Fract,
-            Unary::Sqrt => Op::Sqrt,
-            Unary::InverseSqrt => Op::InverseSqrt,
-            Unary::Exp => Op::Exp,
-            Unary::Exp2 => Op::Exp2,
-            Unary::Log => Op::Log,
-            Unary::Log2 => Op::Log2,
-            Unary::Sin => Op::Sin,
-            Unary::Cos => Op::Cos,
-            Unary::Tan => Op::Tan,
-            Unary::Asin => Op::Asin,
-            Unary::Acos => Op::Acos,
-            Unary::Atan => Op::Atan,
-            Unary::Sinh => Op::Sinh,
-            Unary::Cosh => Op::Cosh,
-            Unary::Tanh => Op::Tanh,
-            Unary::Asinh => Op::Asinh,
-            Unary::Acosh => Op::Acosh,
-            Unary::Atanh => Op::Atanh,
-            Unary::Radians => Op::Radians,
-            Unary::Degrees => Op::Degrees,
-        };
-        self.function1(site, op, active, a)
+        match Op::of_unary(op) {
+            Ok(Op::Neg) => self.sum(Some(site), Op::Neg, a, a, (-1.0, 0.0)),
+            Ok(op) => self.function1(site, op, active, a),
+            Err(Unlisted::NormalScale) => self.normal_scale(site, active, a),
+            Err(Unlisted::Determinant) => self.mark(site, Op::Determinant, a),
+            Err(Unlisted::Inverse) => self.mark(site, Op::Inverse, a),
+            Err(Unlisted::Narrow) => self.narrow(site, a),
+            Err(Unlisted::Half) => self.half(site, a),
+            Err(Unlisted::FrexpFraction) => self.frexp_fraction(site, a),
+        }
     }
 
     /// A function of one number, by the definition that it inherits from where it has one.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::adversary::{Device, Place, binary_op, unary_op};
+use crate::adversary::{Device, Place};
 use base::value::Scalar;
 use judge::profile::Op;
 use judge::tape::lowered;
@@ -282,7 +282,7 @@ impl Domain for Beside {
         if whole {
             self.note_jumps(active, [a, a], out, 0.5);
         }
-        self.settle(site, (unary_name(op), unary_op(op)), active, &[a], out);
+        self.settle(site, (unary_name(op), Op::of_unary(op).ok()), active, &[a], out);
     }
 
     fn binary(&mut self, site: Site, op: Binary, active: &Mask, a: &Column, b: &Column, out: &mut Column) {
@@ -302,7 +302,7 @@ impl Domain for Beside {
             }
             _ => {}
         }
-        self.settle(site, (binary_name(op), Some(binary_op(op))), active, &[a, b], out);
+        self.settle(site, (binary_name(op), Some(Op::of_binary(op))), active, &[a, b], out);
     }
 
     fn scale(&mut self, site: Site, a: &Column, exponent: &Words, out: &mut Column) {
