@@ -36,5 +36,5 @@ pub use proof::{Proof, prove};
 pub use regimes::Split;
 pub use search::{Candidate, Improved, Settings, cost, measure, search};
 pub use single::{Losses, folded, reference, run};
-pub use term::{BINARY, Binary, Constant, Node, Term, UNARY, Unary, parse, rooted};
+pub use term::{Binary, Constant, Node, Term, Unary, parse, rooted};
 pub use write::{Component, Dialect, LeafText, written};

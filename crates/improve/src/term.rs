@@ -4,118 +4,107 @@ use std::fmt;
 
 use egg::{FromOp, Id, Language, RecExpr};
 
-/// A function of one number, by its name in GLSL.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Unary {
-    /// −x
-    Neg,
-    /// |x|
-    Abs,
-    /// √x
-    Sqrt,
-    /// 1 ÷ √x
-    InverseSqrt,
-    /// sin x
-    Sin,
-    /// cos x
-    Cos,
-    /// tan x
-    Tan,
-    /// arcsin x
-    Asin,
-    /// arccos x
-    Acos,
-    /// arctan x
-    Atan,
-    /// sinh x
-    Sinh,
-    /// cosh x
-    Cosh,
-    /// tanh x
-    Tanh,
-    /// arsinh x
-    Asinh,
-    /// arcosh x
-    Acosh,
-    /// artanh x
-    Atanh,
-    /// e^x
-    Exp,
-    /// ln x
-    Log,
-    /// 2^x
-    Exp2,
-    /// log2 x
-    Log2,
-    /// √max(x, 0): for a number that only rounding makes negative.
-    SafeSqrt,
-    /// arcsin of the number clamped to [−1, 1].
-    SafeAsin,
-    /// arccos of the number clamped to [−1, 1].
-    SafeAcos,
+/// Defines operations with the names that rules use.
+macro_rules! operations {
+    ($(#[$about:meta])* $of:ident { $($(#[$doc:meta])* $op:ident $name:literal,)* }) => {
+        $(#[$about])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub enum $of {
+            $($(#[$doc])* $op,)*
+        }
+
+        impl $of {
+            /// The name that rules use.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$op => $name,)*
+                }
+            }
+
+            /// The operation of this name.
+            pub fn by_name(name: &str) -> Option<Self> {
+                match name {
+                    $($name => Some(Self::$op),)*
+                    _ => None,
+                }
+            }
+        }
+    };
 }
 
-use Unary as U;
-
-/// All functions of one number, with the names that rules use.
-pub const UNARY: [(Unary, &str); 23] = [
-    (U::Neg, "neg"),
-    (U::Abs, "abs"),
-    (U::Sqrt, "sqrt"),
-    (U::InverseSqrt, "inversesqrt"),
-    (U::Sin, "sin"),
-    (U::Cos, "cos"),
-    (U::Tan, "tan"),
-    (U::Asin, "asin"),
-    (U::Acos, "acos"),
-    (U::Atan, "atan"),
-    (U::Sinh, "sinh"),
-    (U::Cosh, "cosh"),
-    (U::Tanh, "tanh"),
-    (U::Asinh, "asinh"),
-    (U::Acosh, "acosh"),
-    (U::Atanh, "atanh"),
-    (U::Exp, "exp"),
-    (U::Log, "log"),
-    (U::Exp2, "exp2"),
-    (U::Log2, "log2"),
-    (U::SafeSqrt, "safe-sqrt"),
-    (U::SafeAsin, "safe-asin"),
-    (U::SafeAcos, "safe-acos"),
-];
-
-/// An operation on two numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Binary {
-    /// a + b
-    Add,
-    /// a − b
-    Sub,
-    /// a · b
-    Mul,
-    /// a ÷ b
-    Div,
-    /// a^b, for a > 0
-    Pow,
-    /// The angle of the point (second, first).
-    Atan2,
-    /// The smaller one.
-    Min,
-    /// The larger one.
-    Max,
+operations! {
+    /// A function of one number, by its name in GLSL.
+    Unary {
+        /// −x
+        Neg "neg",
+        /// |x|
+        Abs "abs",
+        /// √x
+        Sqrt "sqrt",
+        /// 1 ÷ √x
+        InverseSqrt "inversesqrt",
+        /// sin x
+        Sin "sin",
+        /// cos x
+        Cos "cos",
+        /// tan x
+        Tan "tan",
+        /// arcsin x
+        Asin "asin",
+        /// arccos x
+        Acos "acos",
+        /// arctan x
+        Atan "atan",
+        /// sinh x
+        Sinh "sinh",
+        /// cosh x
+        Cosh "cosh",
+        /// tanh x
+        Tanh "tanh",
+        /// arsinh x
+        Asinh "asinh",
+        /// arcosh x
+        Acosh "acosh",
+        /// artanh x
+        Atanh "atanh",
+        /// e^x
+        Exp "exp",
+        /// ln x
+        Log "log",
+        /// 2^x
+        Exp2 "exp2",
+        /// log2 x
+        Log2 "log2",
+        /// √max(x, 0): for a number that only rounding makes negative.
+        SafeSqrt "safe-sqrt",
+        /// arcsin of the number clamped to [−1, 1].
+        SafeAsin "safe-asin",
+        /// arccos of the number clamped to [−1, 1].
+        SafeAcos "safe-acos",
+    }
 }
 
-/// All operations on two numbers, with the names that rules use.
-pub const BINARY: [(Binary, &str); 8] = [
-    (Binary::Add, "+"),
-    (Binary::Sub, "-"),
-    (Binary::Mul, "*"),
-    (Binary::Div, "/"),
-    (Binary::Pow, "pow"),
-    (Binary::Atan2, "atan2"),
-    (Binary::Min, "min"),
-    (Binary::Max, "max"),
-];
+operations! {
+    /// An operation on two numbers.
+    Binary {
+        /// a + b
+        Add "+",
+        /// a − b
+        Sub "-",
+        /// a · b
+        Mul "*",
+        /// a ÷ b
+        Div "/",
+        /// a^b, for a > 0
+        Pow "pow",
+        /// The angle of the point (second, first).
+        Atan2 "atan2",
+        /// The smaller one.
+        Min "min",
+        /// The larger one.
+        Max "max",
+    }
+}
 
 /// A constant, by its bits: equal constants are one node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -192,8 +181,8 @@ impl fmt::Display for Node {
             Self::Number(c) => write!(f, "{}", c.value()),
             Self::Pi => f.write_str("pi"),
             Self::Leaf(k) => write!(f, "x{k}"),
-            Self::Unary(of, _) => f.write_str(UNARY.iter().find(|(u, _)| u == of).map_or("", |(_, name)| name)),
-            Self::Binary(of, _) => f.write_str(BINARY.iter().find(|(b, _)| b == of).map_or("", |(_, name)| name)),
+            Self::Unary(of, _) => f.write_str(of.name()),
+            Self::Binary(of, _) => f.write_str(of.name()),
         }
     }
 }
@@ -208,8 +197,8 @@ impl FromOp for Node {
                 Some(leaf) => Some(Self::Leaf(leaf)),
                 None => op.parse::<f64>().ok().filter(|c| c.is_finite()).map(Self::number),
             },
-            [id] => UNARY.iter().find(|(_, name)| *name == op).map(|(of, _)| Self::Unary(*of, id)),
-            [a, b] => BINARY.iter().find(|(_, name)| *name == op).map(|(of, _)| Self::Binary(*of, [a, b])),
+            [id] => Unary::by_name(op).map(|of| Self::Unary(of, id)),
+            [a, b] => Binary::by_name(op).map(|of| Self::Binary(of, [a, b])),
             _ => None,
         };
         found.ok_or_else(|| format!("`{op}` is no operation on {} numbers", children.len()))

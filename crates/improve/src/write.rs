@@ -133,7 +133,7 @@ impl Writer<'_> {
             Unary::SafeAsin => return format!("asin(clamp({x}, -1.0, 1.0))"),
             Unary::SafeAcos => return format!("acos(clamp({x}, -1.0, 1.0))"),
             Unary::InverseSqrt if self.dialect == Dialect::Wgsl => "inverseSqrt",
-            _ => crate::term::UNARY.iter().find(|(of, _)| *of == f).map_or("", |(_, name)| name),
+            _ => f.name(),
         };
         format!("{name}({x})")
     }

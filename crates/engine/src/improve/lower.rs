@@ -353,28 +353,8 @@ impl<'a> Lowering<'a> {
             Some(CallTarget::Builtin(call)) if all_scalar => call.function,
             _ => return self.leaf(id),
         };
-        let unary = match function {
-            F::Sin => Some(Unary::Sin),
-            F::Cos => Some(Unary::Cos),
-            F::Tan => Some(Unary::Tan),
-            F::Asin => Some(Unary::Asin),
-            F::Acos => Some(Unary::Acos),
-            F::Atan if args.len() == 1 => Some(Unary::Atan),
-            F::Sinh => Some(Unary::Sinh),
-            F::Cosh => Some(Unary::Cosh),
-            F::Tanh => Some(Unary::Tanh),
-            F::Asinh => Some(Unary::Asinh),
-            F::Acosh => Some(Unary::Acosh),
-            F::Atanh => Some(Unary::Atanh),
-            F::Exp => Some(Unary::Exp),
-            F::Log => Some(Unary::Log),
-            F::Exp2 => Some(Unary::Exp2),
-            F::Log2 => Some(Unary::Log2),
-            F::Sqrt => Some(Unary::Sqrt),
-            F::Inversesqrt => Some(Unary::InverseSqrt),
-            F::Abs => Some(Unary::Abs),
-            _ => None,
-        };
+        // Rules call functions of one number as GLSL does.
+        let unary = Unary::by_name(function.name()).filter(|_| args.len() == 1);
         if let Some(of) = unary {
             let x = self.scalar(*args.first()?)?;
             return self.add(Node::Unary(of, x));
