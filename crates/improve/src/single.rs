@@ -17,25 +17,25 @@ pub fn reference(term: &Term, points: &Points) -> Result<Vec<f64>, String> {
 
 /// What a term gives in binary32 at each point.
 pub fn run(term: &Term, points: &Points) -> Vec<f32> {
-    let columns = Columns { number: single, leaf: |x| x, unary, binary };
+    let columns = ColumnsOf { number: single, leaf: |x| x, unary, binary };
     columns.run(term, points)
 }
 
 /// What a term gives in binary64, which is what it is in real numbers where little cancels.
 pub fn wide(term: &Term, points: &Points) -> Vec<f64> {
-    let columns = Columns { number: |x| x, leaf: f64::from, unary: wide_unary, binary: wide_binary };
+    let columns = ColumnsOf { number: |x| x, leaf: f64::from, unary: wide_unary, binary: wide_binary };
     columns.run(term, points)
 }
 
 /// Operations on numbers of a kind.
-struct Columns<T> {
+struct ColumnsOf<T> {
     number: fn(f64) -> T,
     leaf: fn(f32) -> T,
     unary: fn(Unary, T) -> T,
     binary: fn(Binary, T, T) -> T,
 }
 
-impl<T: Copy> Columns<T> {
+impl<T: Copy> ColumnsOf<T> {
     fn run(&self, term: &Term, points: &Points) -> Vec<T> {
         let mut columns: Vec<Vec<T>> = Vec::with_capacity(term.len());
         for node in term {

@@ -89,7 +89,7 @@ fn ordinary(range: &Range, parts: &Parts, chain: bool, stream: &mut Stream, out:
 
 /// What is special about bones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum BoneKind {
     /// One has no length.
     NoLength,
     /// All are equal.
@@ -107,7 +107,7 @@ enum Kind {
     Ordinary,
 }
 
-impl Kind {
+impl BoneKind {
     /// The special ones, which are as likely as each other.
     const SPECIAL: [Self; 7] =
         [Self::NoLength, Self::Equal, Self::Lattice, Self::Rest, Self::One, Self::All, Self::Short];
@@ -115,7 +115,7 @@ impl Kind {
 
 /// How bones are made.
 struct Plan {
-    kind: Kind,
+    kind: BoneKind,
     /// Each root is the tip before.
     chain: bool,
     /// The bone that is short.
@@ -128,20 +128,20 @@ fn one_by_one(range: &Range, parts: &Parts, plan: Plan, stream: &mut Stream, out
     let Parts { count, roots, tips, matrices, rows } = *parts;
     let mut tip = DVec3::ZERO;
     let point = |stream: &mut Stream| match kind {
-        Kind::Lattice => matrix::lattice(range, stream),
+        BoneKind::Lattice => matrix::lattice(range, stream),
         _ => matrix::point(range, stream),
     };
     for bone in 0..count {
         let root = if chain && bone > 0 { tip } else { point(stream) };
         tip = match kind {
-            Kind::NoLength if bone == degenerate => root,
+            BoneKind::NoLength if bone == degenerate => root,
             // Between the length zero and ordinary ones: a threshold on the length must not hide.
-            Kind::Short if bone == degenerate => root + (point(stream) - root) * NEAR,
+            BoneKind::Short if bone == degenerate => root + (point(stream) - root) * NEAR,
             _ => point(stream),
         };
         let blend = match kind {
-            Kind::Rest => DMat4::IDENTITY,
-            Kind::Lattice => {
+            BoneKind::Rest => DMat4::IDENTITY,
+            BoneKind::Lattice => {
                 // Turns that map axes to axes about a lattice point keep all entries whole numbers.
                 let turn = matrix::quarter_turns(stream);
                 with_translation(turn, root - turn * root)
@@ -151,7 +151,7 @@ fn one_by_one(range: &Range, parts: &Parts, plan: Plan, stream: &mut Stream, out
         write_points(parts, bone, [root, tip], out);
         matrix::write(&blend, &mut out[matrices + bone * 16..][..16]);
     }
-    if kind == Kind::Equal {
+    if kind == BoneKind::Equal {
         for bone in 1..count {
             out.copy_within(roots..roots + rows, roots + bone * rows);
             out.copy_within(tips..tips + rows, tips + bone * rows);
@@ -202,20 +202,20 @@ impl Generator for Bones {
         let count = parts.count;
         let range = group.range();
         let kind = match stream.one_in(SPECIAL) {
-            _ if place.exact => Kind::Lattice,
-            true => Kind::SPECIAL[stream.below(Kind::SPECIAL.len())],
-            false => Kind::Ordinary,
+            _ if place.exact => BoneKind::Lattice,
+            true => BoneKind::SPECIAL[stream.below(BoneKind::SPECIAL.len())],
+            false => BoneKind::Ordinary,
         };
         out[0] = match kind {
-            Kind::One => 1,
-            Kind::All => count,
+            BoneKind::One => 1,
+            BoneKind::All => count,
             _ => 1 + stream.below(count),
         } as u32;
         let chain = stream.bits() & 1 == 0;
         let degenerate = stream.below(out[0] as usize);
         match kind {
-            Kind::One | Kind::All | Kind::Ordinary => ordinary(range, &parts, chain, stream, out),
-            Kind::NoLength | Kind::Equal | Kind::Lattice | Kind::Rest | Kind::Short => {
+            BoneKind::One | BoneKind::All | BoneKind::Ordinary => ordinary(range, &parts, chain, stream, out),
+            BoneKind::NoLength | BoneKind::Equal | BoneKind::Lattice | BoneKind::Rest | BoneKind::Short => {
                 one_by_one(range, &parts, Plan { kind, chain, degenerate }, stream, out);
             }
         }
@@ -354,7 +354,7 @@ mod tests {
                 let range = [Range::new(-2.0, 2.0), Range::new(1.0, 1.5)][seed as usize / 2 % 2];
                 let [mut first, mut second] = [Stream::new(seed), Stream::new(seed)];
                 ordinary(&range, &parts, chain, &mut first, &mut ours);
-                let plan = Plan { kind: Kind::Ordinary, chain, degenerate: 0 };
+                let plan = Plan { kind: BoneKind::Ordinary, chain, degenerate: 0 };
                 one_by_one(&range, &parts, plan, &mut second, &mut single);
                 assert_eq!(ours, single, "{count} {seed}");
                 assert_eq!(first.bits(), second.bits());

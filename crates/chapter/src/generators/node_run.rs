@@ -18,7 +18,7 @@ pub struct NodeRun;
 
 /// What is special about the nodes of a strand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum StrandKind {
     /// All are at one place.
     OnePlace,
     /// Two neighbours are at one place.
@@ -32,7 +32,7 @@ enum Kind {
     Ordinary,
 }
 
-impl Kind {
+impl StrandKind {
     /// The special ones, which are as likely as each other.
     const SPECIAL: [Self; 5] = [Self::OnePlace, Self::Pair, Self::Line, Self::ToAndFro, Self::Origin];
 }
@@ -40,7 +40,7 @@ impl Kind {
 /// One strand, as a function from the index of a node to its place.
 struct Strand {
     seed: u64,
-    kind: Kind,
+    kind: StrandKind,
     /// The first of the two neighbours.
     pair: usize,
 }
@@ -50,7 +50,8 @@ impl Strand {
         let seed = mix(mix(case_seed, u64::MAX), strand as u64);
         let mut stream = Stream::new(seed);
         let special = stream.one_in(SPECIAL);
-        let kind = if special { Kind::SPECIAL[stream.below(Kind::SPECIAL.len())] } else { Kind::Ordinary };
+        let kind =
+            if special { StrandKind::SPECIAL[stream.below(StrandKind::SPECIAL.len())] } else { StrandKind::Ordinary };
         Self { seed, kind, pair: stream.below(4) }
     }
 
@@ -60,17 +61,17 @@ impl Strand {
         let bits = |n: usize| mix(mix(self.seed, n as u64), c as u64);
         let end = |n: usize| f64::from(range.on_grid(bits(n)));
         match self.kind {
-            Kind::OnePlace => end(0),
-            Kind::Line => {
+            StrandKind::OnePlace => end(0),
+            StrandKind::Line => {
                 // Eighths of the way between two places, there and back.
                 let step = n % 16;
                 let step = if step > 8 { 16 - step } else { step };
                 end(0) + (end(1) - end(0)) * step as f64 / 8.0
             }
-            Kind::ToAndFro => end(n % 2),
-            Kind::Origin => f64::from(range.clamp(0.0)),
-            Kind::Pair | Kind::Ordinary => {
-                let n = if self.kind == Kind::Pair && n == self.pair + 1 { self.pair } else { n };
+            StrandKind::ToAndFro => end(n % 2),
+            StrandKind::Origin => f64::from(range.clamp(0.0)),
+            StrandKind::Pair | StrandKind::Ordinary => {
+                let n = if self.kind == StrandKind::Pair && n == self.pair + 1 { self.pair } else { n };
                 let choice = mix(mix(self.seed, n as u64), u64::MAX);
                 f64::from(match choice % 16 {
                     0 => range.lattice(bits(n)),

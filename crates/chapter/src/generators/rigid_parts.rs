@@ -19,7 +19,7 @@ pub struct RigidParts;
 
 /// What is special about parts.
 #[derive(Clone, Copy)]
-enum Kind {
+enum PartKind {
     /// All are equal.
     Equal,
     /// All are the identity.
@@ -31,7 +31,7 @@ enum Kind {
     Ordinary,
 }
 
-impl Kind {
+impl PartKind {
     /// The special ones, which are as likely as each other.
     const SPECIAL: [Self; 4] = [Self::Equal, Self::Identity, Self::Back, Self::Apart];
 }
@@ -65,20 +65,20 @@ impl Generator for RigidParts {
     fn fill(&self, group: &Group, _place: Place, stream: &mut Stream, out: &mut [u32]) {
         let range = group.range();
         let special = stream.one_in(SPECIAL);
-        let kind = if special { Kind::SPECIAL[stream.below(Kind::SPECIAL.len())] } else { Kind::Ordinary };
+        let kind = if special { PartKind::SPECIAL[stream.below(PartKind::SPECIAL.len())] } else { PartKind::Ordinary };
         let mut m = match kind {
-            Kind::Identity => DMat4::IDENTITY,
-            Kind::Apart => matrix::special_rigid(range, stream),
-            Kind::Equal | Kind::Back | Kind::Ordinary => matrix::rigid(range, stream),
+            PartKind::Identity => DMat4::IDENTITY,
+            PartKind::Apart => matrix::special_rigid(range, stream),
+            PartKind::Equal | PartKind::Back | PartKind::Ordinary => matrix::rigid(range, stream),
         };
         let half_turn = DMat3::from_diagonal(DVec3::new(-1.0, -1.0, 1.0));
         for element in group.elements() {
             matrix::write(&m, &mut out[element.clone()]);
             m = match kind {
-                Kind::Equal | Kind::Identity => m,
-                Kind::Back => turned_about(&m, matrix::lattice(range, stream), half_turn),
-                Kind::Apart => matrix::special_rigid(range, stream),
-                Kind::Ordinary => {
+                PartKind::Equal | PartKind::Identity => m,
+                PartKind::Back => turned_about(&m, matrix::lattice(range, stream), half_turn),
+                PartKind::Apart => matrix::special_rigid(range, stream),
+                PartKind::Ordinary => {
                     let turn = DMat3::from_quat(matrix::rotation(stream));
                     turned_about(&m, matrix::point(range, stream), turn)
                 }

@@ -3,7 +3,7 @@
 
 use serde_json::{Value, json};
 
-use super::glb::{Buffer, Use};
+use super::glb::{GlbBuffer, Use};
 use super::grid::Grid;
 use super::{Channel, animation, evaluate, unit};
 use crate::exact::Exact;
@@ -40,7 +40,7 @@ fn weights(point: [f32; 3], rule: Weights) -> [f32; 2] {
     [share, 1.0 - share]
 }
 
-pub(super) fn arm(buffer: &mut Buffer, grid: Grid, name: &str, rule: Weights) -> Value {
+pub(super) fn arm(buffer: &mut GlbBuffer, grid: Grid, name: &str, rule: Weights) -> Value {
     let mut slim = unit();
     (slim[0], slim[10]) = (RADIUS, RADIUS);
     let point = |[s, t]: [f32; 2]| {

@@ -19,13 +19,13 @@ pub(super) enum Use {
 
 /// A buffer with its views and accessors.
 #[derive(Default)]
-pub(super) struct Buffer {
+pub(super) struct GlbBuffer {
     bytes: Vec<u8>,
     views: Vec<Value>,
     accessors: Vec<Value>,
 }
 
-impl Buffer {
+impl GlbBuffer {
     fn view(&mut self, data: &[u8], purpose: Use) -> usize {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         let mut view = json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": data.len() });

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::glb::{Buffer, Use};
+use super::glb::{GlbBuffer, Use};
 use super::{Channel, animation, evaluate, unit};
 use crate::exact::Exact;
 
@@ -57,7 +57,7 @@ impl Grid {
     }
 
     /// Attributes of a surface, and its indices.
-    fn primitive(self, surface: Exact, buffer: &mut Buffer) -> Value {
+    fn primitive(self, surface: Exact, buffer: &mut GlbBuffer) -> Value {
         let points = self.points(surface);
         let parameters: Vec<[f32; 2]> = self.parameters().collect();
         let position = buffer.floats(&points, "VEC3", Use::Vertices);
@@ -71,14 +71,14 @@ impl Grid {
     }
 
     /// A surface as it is.
-    pub fn surface(self, surface: Exact, buffer: &mut Buffer) -> Value {
+    pub fn surface(self, surface: Exact, buffer: &mut GlbBuffer) -> Value {
         let (name, primitive) = (surface.name(), self.primitive(surface, buffer));
         json!({ "meshes": [{ "name": name, "primitives": [primitive] }], "nodes": [{ "mesh": 0, "name": name }] })
     }
 
     /// A sphere that becomes other surfaces, each after the other; those after the first two are half as
     /// large and moved to either side, so that each is another.
-    pub fn morph(self, buffer: &mut Buffer, name: &str, targets: &[Exact]) -> Value {
+    pub fn morph(self, buffer: &mut GlbBuffer, name: &str, targets: &[Exact]) -> Value {
         let base = self.points(Exact::Sphere);
         let mut primitive = self.primitive(Exact::Sphere, buffer);
         let mut list = Vec::new();

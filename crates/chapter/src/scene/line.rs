@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::glb::{Buffer, Use};
+use super::glb::{GlbBuffer, Use};
 use super::{Channel, animation, evaluate, unit};
 use crate::exact::Exact;
 use property::Stream;
@@ -15,7 +15,7 @@ const PIECES: usize = 4;
 const VERTEX: usize = 13;
 
 /// Strands that grow outward from a sphere of radius 1, each a little bent: about this many vertices.
-pub(super) fn hair(buffer: &mut Buffer, vertices: u64) -> Value {
+pub(super) fn hair(buffer: &mut GlbBuffer, vertices: u64) -> Value {
     let each = (NODES - 1) * PIECES + 1;
     let strands = (vertices.min(1 << 24) as usize / each).max(1);
     let mut primitives = Vec::new();
@@ -57,7 +57,7 @@ pub(super) fn hair(buffer: &mut Buffer, vertices: u64) -> Value {
 
 /// A Catmull-Rom curve through eight nodes as a strip, and a point that runs along it: its key frames have
 /// the tangents of the curve, with which glTF interpolates by the same cubic.
-pub(super) fn spline(buffer: &mut Buffer, vertices: u64) -> Value {
+pub(super) fn spline(buffer: &mut GlbBuffer, vertices: u64) -> Value {
     const CURVE: [[f64; 3]; 8] = [
         [-4.0, 0.0, 0.0],
         [-3.0, 1.0, 0.5],

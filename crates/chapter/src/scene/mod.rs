@@ -15,7 +15,7 @@ use number::twofold::{Twofold, WIDTH};
 
 use crate::exact::{Exact, Words};
 use arm::{Weights, arm};
-use glb::{Buffer, Use};
+use glb::{GlbBuffer, Use};
 use grid::Grid;
 
 /// All scenes, in the order of the formulas.
@@ -80,8 +80,8 @@ fn unit() -> [f64; 16] {
 }
 
 /// The GLB file with what `content` makes, over a grid of about this many vertices.
-fn file(vertices: u64, asset: Value, content: impl FnOnce(&mut Buffer, Grid) -> Value) -> Vec<u8> {
-    let mut buffer = Buffer::default();
+fn file(vertices: u64, asset: Value, content: impl FnOnce(&mut GlbBuffer, Grid) -> Value) -> Vec<u8> {
+    let mut buffer = GlbBuffer::default();
     let mut content = content(&mut buffer, Grid::of(vertices));
     content["asset"] = asset;
     content["scene"] = json!(0);
@@ -92,7 +92,7 @@ fn file(vertices: u64, asset: Value, content: impl FnOnce(&mut Buffer, Grid) -> 
 }
 
 /// One animated property of one node.
-fn animation(buffer: &mut Buffer, channels: Vec<Channel>) -> Value {
+fn animation(buffer: &mut GlbBuffer, channels: Vec<Channel>) -> Value {
     let (mut list, mut samplers) = (Vec::new(), Vec::new());
     for Channel { node, path, interpolation, times, output } in channels {
         let times: Vec<[f32; 1]> = times.iter().map(|&t| [t]).collect();

@@ -233,7 +233,7 @@ pub fn run(
         }
         let judge = Judge::new(op, text, suite, Stage::Compute);
         let sweeps = state.request.sweeps(op);
-        let mut device = Device::new(lane, op, sweeps)?;
+        let mut device = MeasuredDevice::new(lane, op, sweeps)?;
         let block = if sweeps { SWEEP_BLOCK } else { SAMPLE_BLOCK };
         while state.position < size {
             let end = size.min(state.position + block);
@@ -254,7 +254,7 @@ pub fn promises() -> (&'static Profile, &'static Profile) {
 }
 
 /// A kernel on a lane with what feeds it.
-struct Device {
+struct MeasuredDevice {
     runner: Box<dyn Runner>,
     batch: Batch,
     op: Op,
@@ -263,7 +263,7 @@ struct Device {
     inputs: Inputs,
 }
 
-impl Device {
+impl MeasuredDevice {
     fn new(lane: &dyn Lane, op: Op, sweeps: bool) -> Result<Self, CalibrateError> {
         let kernel = if sweeps { kernel::sweep(op)? } else { kernel::pointwise(op)? };
         let batch = Batch::with_capacity(kernel.invocation.clone(), kernel.case.clone(), 1, DISPATCH);

@@ -89,7 +89,7 @@ fn probe_text(lane: &dyn Lane, stage: Stage, text: &str) -> Result<Behaviour, Ca
     let mut batch = Batch::with_capacity(kernel.invocation.clone(), kernel.case.clone(), 1, 1);
     batch.invocations = operands().map(f32::to_bits).to_vec();
     let actual = lane.prepare(&kernel, 1)?.run(&batch)?;
-    judge(&Outputs::new(&actual)?)
+    judge(&ProbeOutputs::new(&actual)?)
 }
 
 fn kernel_of(program: &Program, stage: Stage) -> Result<Kernel, ProgramError> {
@@ -129,7 +129,7 @@ fn operands() -> [f32; 16] {
 }
 
 /// The output vectors.
-struct Outputs {
+struct ProbeOutputs {
     results: [f32; 4],
     arguments: [f32; 4],
     fused: [f32; 4],
@@ -137,7 +137,7 @@ struct Outputs {
     ordered: [f32; 4],
 }
 
-impl Outputs {
+impl ProbeOutputs {
     fn new(actual: &Actual) -> Result<Self, CalibrateError> {
         let record = &actual.layout().vertex;
         let words = actual.vertex(0, 0);
@@ -156,7 +156,7 @@ impl Outputs {
     }
 }
 
-fn judge(outputs: &Outputs) -> Result<Behaviour, CalibrateError> {
+fn judge(outputs: &ProbeOutputs) -> Result<Behaviour, CalibrateError> {
     let least = f32::MIN_POSITIVE;
     let result = |found: f32, kept: f32| one(found, kept, 0.0, "a subnormal result");
     // The second difference needs both a kept result and a kept argument, and shows neither alone.
@@ -230,10 +230,10 @@ mod tests {
     use super::*;
 
     /// What a device gives that keeps subnormal numbers, fuses nothing and rounds to nearest.
-    fn plain() -> Outputs {
+    fn plain() -> ProbeOutputs {
         let least = f32::MIN_POSITIVE;
         let gap = f32::EPSILON;
-        Outputs {
+        ProbeOutputs {
             results: [least / 2.0, -least / 2.0, least / 4.0, 0.0],
             arguments: [2.0 * least, 1.5 * least, least, least],
             fused: [0.0; 4],
@@ -247,7 +247,7 @@ mod tests {
         let [least, half, subnormal, big, x, y, z, _, one, three_quarters, half_gap, gap, _, small, large, _] =
             operands().map(std::hint::black_box);
         let factor = 2f32.powi(100);
-        let outputs = Outputs {
+        let outputs = ProbeOutputs {
             results: [least * half, 0.0, least / big, 0.0],
             arguments: [subnormal * big, subnormal + least, subnormal / half, 0.0],
             fused: [x.mul_add(y, z), x * y + z, 0.0, 0.0],

@@ -224,7 +224,7 @@ fn a_sweep_counts_every_finite_number_once() {
     let lane = Soft::new(|a| a[0].sqrt());
     let (text, suite) = promises();
     let judge = Judge::new(Op::Sqrt, text, suite, Stage::Compute);
-    let mut device = Device::new(&lane, Op::Sqrt, true).unwrap();
+    let mut device = MeasuredDevice::new(&lane, Op::Sqrt, true).unwrap();
     let mut tally = Tally::default();
     // The last numbers of one sign and the first of the other.
     let step = DISPATCH as u64 * kernel::SWEEP as u64;

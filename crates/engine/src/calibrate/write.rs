@@ -140,7 +140,7 @@ const FEW_ULP: f64 = 4.0;
 const ALIKE: f64 = 1.15;
 
 /// Neighbouring bins of one sign.
-struct Run {
+struct BinRun {
     first: usize,
     last: usize,
     samples: u64,
@@ -153,12 +153,12 @@ struct Run {
 
 /// Bins with samples. Neighbours that round correctly are one row, and so are those that err by about
 /// the same few ULP; bins with a result that is no number have no bound, and no row.
-fn runs(tally: &Tally) -> Vec<Run> {
-    let mut runs: Vec<Run> = Vec::new();
+fn runs(tally: &Tally) -> Vec<BinRun> {
+    let mut runs: Vec<BinRun> = Vec::new();
     for (k, bin) in tally.bins.iter().enumerate().filter(|(_, b)| b.samples > 0 && b.wild == 0) {
         let (ulp, abs) = (bin.ulp.value(), bin.abs.value());
         let ulp = if ulp <= ROUNDED { ulp.min(0.5) } else { ulp };
-        let joins = |run: &&mut Run| {
+        let joins = |run: &&mut BinRun| {
             let one_sign = (run.last < BINS / 2) == (k < BINS / 2);
             // Rounding is correct between binades as well where no key was tried.
             let correct = ulp <= 0.5 && run.ulp <= 0.5;
@@ -175,7 +175,7 @@ fn runs(tally: &Tally) -> Vec<Run> {
                 run.abs = run.abs.max(abs);
                 run.histogram.iter_mut().zip(bin.histogram).for_each(|(a, b)| *a += b);
             }
-            None => runs.push(Run {
+            None => runs.push(BinRun {
                 first: k,
                 last: k,
                 samples: bin.samples,

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::Pair;
+use super::ReadyPair;
 use crate::InputValue;
 use base::value::{Batch, Scalar, ulp_at};
 use judge::profile::Profile;
@@ -51,14 +51,14 @@ pub struct Worst {
 
 /// The widest bound of a sample: as part of the variable, and in ULP.
 #[derive(Clone, Copy, Default)]
-struct Bound {
+struct AccuracyBound {
     relative: f64,
     ulp: f64,
 }
 
 /// Bounds as they are gathered.
 pub(super) struct Gauge<'a> {
-    pair: &'a Pair<'a>,
+    pair: &'a ReadyPair<'a>,
     profile: &'a Profile,
     ratios: Vec<f64>,
     accuracy: Accuracy,
@@ -67,7 +67,7 @@ pub(super) struct Gauge<'a> {
 }
 
 impl<'a> Gauge<'a> {
-    pub(super) fn new(pair: &'a Pair<'a>, profile: &'a Profile) -> Self {
+    pub(super) fn new(pair: &'a ReadyPair<'a>, profile: &'a Profile) -> Self {
         let accuracy = Accuracy {
             profile: profile.name.clone(),
             compared: 0,
@@ -139,13 +139,13 @@ fn keep(kept: &mut Option<Worst>, more: impl Fn(&Worst) -> bool, new: &dyn Fn() 
 }
 
 /// The widest bound of each sample of a side, over the outputs that both have; infinite where nothing bounds one of them.
-fn bounds(gauge: &Gauge<'_>, side: usize, batch: &Batch) -> Vec<Bound> {
+fn bounds(gauge: &Gauge<'_>, side: usize, batch: &Batch) -> Vec<AccuracyBound> {
     let pair = gauge.pair;
     let (oracle, record) = (&pair.oracles[side], &pair.sides[side].kernel.output.vertex);
     let ranges: Vec<_> =
         pair.reference.pairs().into_iter().map(|both| if side == 0 { both.0 } else { both.1 }).collect();
     let reals: Vec<_> = ranges.into_iter().filter(|range| record.scalar_of(range.start) == Scalar::F32).collect();
-    let chunks: Vec<Vec<Bound>> = (0..batch.invocation_count().div_ceil(SLOTS))
+    let chunks: Vec<Vec<AccuracyBound>> = (0..batch.invocation_count().div_ceil(SLOTS))
         .into_par_iter()
         .with_min_len(CHUNKS)
         .map_init(
@@ -159,18 +159,18 @@ fn bounds(gauge: &Gauge<'_>, side: usize, batch: &Batch) -> Vec<Bound> {
     chunks.into_iter().flatten().collect()
 }
 
-fn widest(limits: &Limits, ranges: &[std::ops::Range<usize>], slot: usize) -> Bound {
+fn widest(limits: &Limits, ranges: &[std::ops::Range<usize>], slot: usize) -> AccuracyBound {
     if limits.reasons[slot].is_some() {
-        return Bound { relative: f64::INFINITY, ulp: f64::INFINITY };
+        return AccuracyBound { relative: f64::INFINITY, ulp: f64::INFINITY };
     }
-    let mut widest = Bound::default();
+    let mut widest = AccuracyBound::default();
     for range in ranges {
         let at = |word: usize| word * SLOTS + slot;
         let size = range.clone().fold(0.0_f64, |size, word| size.max(limits.values[at(word)].abs()));
         let bound = range.clone().fold(0.0_f64, |most, word| most.max(limits.bounds[at(word)]));
         let relative = if bound == 0.0 { 0.0 } else { bound / size };
         if relative > widest.relative {
-            widest = Bound { relative, ulp: bound / ulp_at(size) };
+            widest = AccuracyBound { relative, ulp: bound / ulp_at(size) };
         }
     }
     widest
@@ -178,7 +178,7 @@ fn widest(limits: &Limits, ranges: &[std::ops::Range<usize>], slot: usize) -> Bo
 
 /// How many of some samples differ by more than devices that keep a profile may be off in both functions together, and how many
 /// of the others differ where nothing bounds a device.
-pub(super) fn beyond(pair: &Pair<'_>, profile: &Profile, samples: &[Sample]) -> (u64, u64) {
+pub(super) fn beyond(pair: &ReadyPair<'_>, profile: &Profile, samples: &[Sample]) -> (u64, u64) {
     let (mut count, mut unbounded) = (0, 0);
     let mut limiters = pair.oracles.each_ref().map(|oracle| Limiter::new(oracle, profile, Stage::Compute));
     let mut limits = [Limits::default(), Limits::default()];

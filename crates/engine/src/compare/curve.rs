@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Pair, drawn};
+use super::{ReadyPair, drawn};
 use crate::InputValue;
 use crate::fuzz::Domain;
 use base::value::{Batch, Record, Scalar, ulp_at};
@@ -59,7 +59,13 @@ struct Component {
 }
 
 /// Curves over the first components of the inputs, around a sample.
-pub(super) fn curves(pair: &Pair<'_>, profile: &Profile, domain: &Domain, key: u64, around: &Sample) -> Vec<Curve> {
+pub(super) fn curves(
+    pair: &ReadyPair<'_>,
+    profile: &Profile,
+    domain: &Domain,
+    key: u64,
+    around: &Sample,
+) -> Vec<Curve> {
     let numbers = |record: &Record, of_case: bool| -> Vec<Component> {
         let fields = record.fields().iter().enumerate().filter(|(_, field)| field.shape.scalar == Scalar::F32);
         let words = fields.flat_map(|(k, field)| {
@@ -78,7 +84,13 @@ pub(super) fn curves(pair: &Pair<'_>, profile: &Profile, domain: &Domain, key: u
     all.iter().take(COMPONENTS).filter_map(|component| curve(pair, profile, &samples, around, component)).collect()
 }
 
-fn curve(pair: &Pair<'_>, profile: &Profile, samples: &Batch, around: &Sample, component: &Component) -> Option<Curve> {
+fn curve(
+    pair: &ReadyPair<'_>,
+    profile: &Profile,
+    samples: &Batch,
+    around: &Sample,
+    component: &Component,
+) -> Option<Curve> {
     let [low, high] = range(samples, component, around)?;
     let mut varied: Vec<Sample> = Vec::with_capacity(POINTS);
     for k in 0..POINTS {
@@ -140,7 +152,7 @@ impl Looked {
     }
 }
 
-fn looked(pair: &Pair<'_>, side: usize, profile: &Profile, batch: &Batch) -> Vec<Looked> {
+fn looked(pair: &ReadyPair<'_>, side: usize, profile: &Profile, batch: &Batch) -> Vec<Looked> {
     let mut limiter = Limiter::new(&pair.oracles[side], profile, Stage::Compute);
     let words = pair.sides[side].kernel.output.vertex.words();
     let (mut limits, mut all) = (Limits::default(), Vec::new());

@@ -6,7 +6,7 @@ use std::convert::Infallible;
 use serde::{Deserialize, Serialize};
 
 use super::accuracy::beyond;
-use super::{Compared, Pair};
+use super::{Compared, ReadyPair};
 use crate::InputValue;
 use crate::activity;
 use crate::fuzz::{Domain, Shrinking, Within};
@@ -53,14 +53,14 @@ pub(super) struct Meanings {
 }
 
 /// How the two stand in a sample.
-enum Standing {
+enum MeaningStanding {
     Unlike(String, Option<[f64; 2]>, String),
     Open(Reason),
 }
 
-impl Pair<'_> {
+impl ReadyPair<'_> {
     /// Samples that are not surely equal, each with what is known.
-    fn standing(&self, batch: &Batch, fed: &Batch) -> BTreeMap<usize, Standing> {
+    fn standing(&self, batch: &Batch, fed: &Batch) -> BTreeMap<usize, MeaningStanding> {
         let promises = Promises::of_api(Api::Vulkan);
         let [first, second] = &self.oracles;
         let context =
@@ -72,7 +72,7 @@ impl Pair<'_> {
         // Where the second has no value, only the first can tell whether it has one.
         if let Some(reverse) = &self.reverse {
             for (k, verdict) in unlike(&context(second, reverse), &self.sides[1].kernel.output, fed) {
-                if !matches!(all.get(&k), Some(Standing::Unlike(..))) {
+                if !matches!(all.get(&k), Some(MeaningStanding::Unlike(..))) {
                     all.insert(k, standing(verdict, true));
                 }
             }
@@ -82,28 +82,28 @@ impl Pair<'_> {
 }
 
 /// What a verdict says of the two; `turned` when the second was held against the first.
-fn standing(verdict: Verdict, turned: bool) -> Standing {
+fn standing(verdict: Verdict, turned: bool) -> MeaningStanding {
     match verdict {
-        Verdict::Undetermined(doubt) => Standing::Open(doubt.reason),
-        Verdict::Agree(_) => Standing::Open(Reason::Branch),
+        Verdict::Undetermined(doubt) => MeaningStanding::Open(doubt.reason),
+        Verdict::Agree(_) => MeaningStanding::Open(Reason::Branch),
         Verdict::Deviate(deviation) => match &deviation.what {
             What::Value(value) => {
                 let values = [value.meaning, value.expected.unwrap_or(f64::NAN)];
                 let values = if turned { [values[1], values[0]] } else { values };
                 let message =
                     format!("`{}` is {:?} in the first and {:?} in the second", value.component, values[0], values[1]);
-                Standing::Unlike(value.component.clone(), Some(values), message)
+                MeaningStanding::Unlike(value.component.clone(), Some(values), message)
             }
             What::NotWritten { component, .. } => {
                 let which = if turned { "second" } else { "first" };
-                Standing::Unlike(component.clone(), None, format!("`{component}` is not written in the {which}"))
+                MeaningStanding::Unlike(component.clone(), None, format!("`{component}` is not written in the {which}"))
             }
             What::Endless => {
                 let which = if turned { "second" } else { "first" };
-                Standing::Unlike("loop".to_owned(), None, format!("a loop of the {which} does not end"))
+                MeaningStanding::Unlike("loop".to_owned(), None, format!("a loop of the {which} does not end"))
             }
             What::VertexCount { .. } | What::Strip { .. } | What::TooManyVertices { .. } => {
-                Standing::Unlike("vertices".to_owned(), None, deviation.to_string())
+                MeaningStanding::Unlike("vertices".to_owned(), None, deviation.to_string())
             }
         },
     }
@@ -122,7 +122,7 @@ impl Meanings {
     /// may be found for want of time.
     pub(super) fn see(
         &mut self,
-        (pair, profile): (&Pair<'_>, &Profile),
+        (pair, profile): (&ReadyPair<'_>, &Profile),
         batch: &Batch,
         fed: &Batch,
         realistic: bool,
@@ -136,8 +136,8 @@ impl Meanings {
         let mut differing = vec![false; count];
         for (k, standing) in standing {
             match standing {
-                Standing::Open(reason) => *self.reasons.entry(reason).or_default() += 1,
-                Standing::Unlike(..) => {
+                MeaningStanding::Open(reason) => *self.reasons.entry(reason).or_default() += 1,
+                MeaningStanding::Unlike(..) => {
                     differing[k] = true;
                     self.count += 1;
                     if self.kept.len() < SHRUNK {
@@ -156,7 +156,7 @@ impl Meanings {
     /// Shrinks what differs, and writes what was found; gives the smallest sample.
     pub(super) fn finish(
         self,
-        pair: &Pair<'_>,
+        pair: &ReadyPair<'_>,
         domain: &Domain,
         reproduce: &dyn Fn(&Sample) -> String,
         compared: &mut Compared,
@@ -179,7 +179,7 @@ impl Meanings {
             }
             let batch = Sample::batch(samples);
             let found = pair.standing(&batch, &pair.fed(&batch));
-            Ok((0..samples.len()).map(|k| matches!(found.get(&k), Some(Standing::Unlike(..)))).collect())
+            Ok((0..samples.len()).map(|k| matches!(found.get(&k), Some(MeaningStanding::Unlike(..)))).collect())
         };
         let within = match realistic && !domain.is_stated() {
             true => Within::Realistic(&pair.sides[0].realistic),
@@ -194,7 +194,7 @@ impl Meanings {
         let sample = shrunk.into_iter().map(|one| one.sample).min_by(simpler)?;
         let batch = Sample::batch(std::slice::from_ref(&sample));
         let found = pair.standing(&batch, &pair.fed(&batch)).remove(&0);
-        let Some(Standing::Unlike(output, values, message)) = found else { return None };
+        let Some(MeaningStanding::Unlike(output, values, message)) = found else { return None };
         let (inputs, reproduce) = (InputValue::all(&sample, &pair.sides[0].program), reproduce(&sample));
         compared.smallest = Some(Unlike { inputs, output, values, message, realistic, reproduce });
         Some(sample)

@@ -109,7 +109,7 @@ impl Compared {
 }
 
 /// Two programs, bound to each other.
-struct Pair<'a> {
+struct ReadyPair<'a> {
     sides: [&'a Ready; 2],
     oracles: [Oracle; 2],
     /// What the second means, expected of the first.
@@ -211,7 +211,7 @@ pub fn run(
     Ok(compared)
 }
 
-fn bind(subjects: [&Subject; 2]) -> Result<Pair<'_>, String> {
+fn bind(subjects: [&Subject; 2]) -> Result<ReadyPair<'_>, String> {
     let ready = |subject: &'_ Subject| match &subject.ready {
         Ok(_) => Ok(()),
         Err(why) => Err(format!("{} cannot be run: {why}", subject.at)),
@@ -228,11 +228,11 @@ fn bind(subjects: [&Subject; 2]) -> Result<Pair<'_>, String> {
         Err(error) => Err(error.locate(&ready.program)),
     };
     let reference = reference.with_fuel(ENDLESS);
-    Ok(Pair { sides: [a, b], oracles: [oracle(a)?, oracle(b)?], reference, reverse })
+    Ok(ReadyPair { sides: [a, b], oracles: [oracle(a)?, oracle(b)?], reference, reverse })
 }
 
 /// Outputs that only one of the two has.
-fn alone(pair: &Pair<'_>) -> Vec<String> {
+fn alone(pair: &ReadyPair<'_>) -> Vec<String> {
     let pairs = pair.reference.pairs();
     let of = |side: usize, used: &dyn Fn(usize) -> bool| -> Vec<String> {
         let record = &pair.sides[side].kernel.output.vertex;
@@ -244,7 +244,7 @@ fn alone(pair: &Pair<'_>) -> Vec<String> {
     [first, of(1, &|word| pairs.iter().any(|(_, other)| other.start == word))].concat()
 }
 
-impl Pair<'_> {
+impl ReadyPair<'_> {
     /// The samples of which something can be said, and how many are left out: those that go on for too long in either
     /// function. Where one function ends soon and the other does not end, they do not mean the same; some of these stay, behind
     /// those that end in both, whose number comes second.

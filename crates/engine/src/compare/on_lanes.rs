@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Pair;
+use super::ReadyPair;
 use crate::InputValue;
 use base::value::{Batch, Scalar, ulp_at};
 use lanes::{Actual, Lane, LaneName, Runner};
@@ -28,13 +28,13 @@ pub struct OnLane {
 
 /// Both functions, ready to run on a lane.
 pub(super) struct Both<'a> {
-    pair: &'a Pair<'a>,
+    pair: &'a ReadyPair<'a>,
     runners: Option<[Box<dyn Runner>; 2]>,
     report: OnLane,
 }
 
 impl<'a> Both<'a> {
-    pub(super) fn new(lane: &dyn Lane, pair: &'a Pair<'a>, capacity: usize) -> Self {
+    pub(super) fn new(lane: &dyn Lane, pair: &'a ReadyPair<'a>, capacity: usize) -> Self {
         let name = lane.description().name;
         let mut report = OnLane { lane: name, not_run: None, samples: 0, same: 0, farthest: None };
         let prepared = pair.sides.map(|ready| lane.prepare(&ready.kernel, capacity.max(1)));

@@ -32,13 +32,13 @@ pub struct Unpaired {
 
 /// A function that is asked for: `cubic`, or `cubic(vec2)` for one of several.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Wanted<'o> {
+struct WantedPair<'o> {
     text: &'o str,
     name: &'o str,
     types: Option<Vec<String>>,
 }
 
-impl<'o> Wanted<'o> {
+impl<'o> WantedPair<'o> {
     fn read(text: &'o str) -> Self {
         let text = text.trim();
         let Some((name, inside)) = text.split_once('(').and_then(|(n, rest)| Some((n, rest.strip_suffix(')')?))) else {
@@ -116,7 +116,7 @@ pub fn pairing<'a>(sides: [&'a [Subject]; 2], wanted: &[String]) -> Result<Pairi
 
 /// What is called so in the first text, or else in the second, with what belongs to it.
 fn one_name<'a>(sides: [&'a [Subject]; 2], name: &str) -> Result<Pairing<'a>, String> {
-    let wanted = Wanted::read(name);
+    let wanted = WantedPair::read(name);
     let firsts = wanted.of(sides[0]);
     let mut pairing = if firsts.is_empty() {
         let seconds = wanted.of(sides[1]);
@@ -136,7 +136,7 @@ fn one_name<'a>(sides: [&'a [Subject]; 2], name: &str) -> Result<Pairing<'a>, St
 fn two_names<'a>(sides: [&'a [Subject]; 2], names: [&str; 2]) -> Result<Pairing<'a>, String> {
     let mut found = [Vec::new(), Vec::new()];
     for side in 0..2 {
-        let wanted = Wanted::read(names[side]);
+        let wanted = WantedPair::read(names[side]);
         found[side] = wanted.of(sides[side]);
         if found[side].is_empty() {
             return Err(wanted.unknown(sides[side], side));
@@ -146,7 +146,7 @@ fn two_names<'a>(sides: [&'a [Subject]; 2], names: [&str; 2]) -> Result<Pairing<
     if let ([first], [second]) = (&firsts[..], &seconds[..]) {
         return Ok(Pairing { pairs: vec![[*first, *second]], unpaired: <[Vec<Unpaired>; 2]>::default() });
     }
-    Ok(of(firsts, seconds, &[Way { names: |_, _| true, fits: in_order, only: true }]))
+    Ok(of(firsts, seconds, &[PairingWay { names: |_, _| true, fits: in_order, only: true }]))
 }
 
 /// Of functions that have no partner although there is one of their name, the reasons.
@@ -156,7 +156,7 @@ fn reasons(unpaired: &[Vec<Unpaired>; 2]) -> String {
 }
 
 /// How functions may belong together.
-struct Way {
+struct PairingWay {
     names: fn(&Subject, &Subject) -> bool,
     fits: fn(&Subject, &Subject) -> bool,
     /// Only where neither has another partner.
@@ -164,14 +164,14 @@ struct Way {
 }
 
 /// The ways in which functions belong together by name, the surest first.
-const NAMED: [Way; 4] = [
-    Way { names: |a, b| a.name == b.name, fits: in_order, only: false },
-    Way { names: |a, b| plain(&a.name) == plain(&b.name), fits: in_order, only: true },
-    Way { names: by_suffix, fits: in_order, only: true },
-    Way { names: |a, b| plain(&a.name) == plain(&b.name), fits: somehow, only: true },
+const NAMED: [PairingWay; 4] = [
+    PairingWay { names: |a, b| a.name == b.name, fits: in_order, only: false },
+    PairingWay { names: |a, b| plain(&a.name) == plain(&b.name), fits: in_order, only: true },
+    PairingWay { names: by_suffix, fits: in_order, only: true },
+    PairingWay { names: |a, b| plain(&a.name) == plain(&b.name), fits: somehow, only: true },
 ];
 
-fn of<'a>(firsts: &[&'a Subject], seconds: &[&'a Subject], ways: &[Way]) -> Pairing<'a> {
+fn of<'a>(firsts: &[&'a Subject], seconds: &[&'a Subject], ways: &[PairingWay]) -> Pairing<'a> {
     let mut partners: Vec<Option<usize>> = vec![None; firsts.len()];
     for way in ways {
         let taken: Vec<bool> = (0..seconds.len()).map(|k| partners.contains(&Some(k))).collect();

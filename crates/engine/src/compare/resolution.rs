@@ -5,7 +5,7 @@ use std::collections::HashSet;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Pair, drawn};
+use super::{ReadyPair, drawn};
 use crate::fuzz::{Domain, ROUNDS, Ready};
 use base::value::{Batch, Scalar};
 use program::interp::{Binary32, Binary64};
@@ -28,7 +28,7 @@ pub struct Resolution {
 }
 
 /// Both functions, where the first has one binary32 number as its input and both give numbers; `None` elsewhere.
-pub(super) fn of(pair: &Pair<'_>, domain: &Domain, key: u64) -> Option<[Resolution; 2]> {
+pub(super) fn of(pair: &ReadyPair<'_>, domain: &Domain, key: u64) -> Option<[Resolution; 2]> {
     let ready = pair.sides[0];
     let (own, case) = (&ready.kernel.invocation, &ready.kernel.case);
     if own.words() + case.words() != 1 || own.words() != 1 || own.scalar_of(0) != Scalar::F32 {

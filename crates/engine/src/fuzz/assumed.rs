@@ -76,7 +76,7 @@ impl Completed {
 }
 
 /// A name and what it may stand for.
-struct Choice {
+struct AssumedChoice {
     name: String,
     options: Vec<Meaning>,
     at: usize,
@@ -88,7 +88,7 @@ enum Meaning {
     Taken(Offer),
 }
 
-impl Choice {
+impl AssumedChoice {
     fn value(&self) -> (String, String) {
         match &self.options[self.at] {
             Meaning::Assumed(value) => (self.name.clone(), value.clone()),
@@ -138,7 +138,7 @@ fn names(parse: &Parse<'_>, offers: &mut Offers<'_>) -> Option<Completed> {
     if parsed.shader.lacking().is_empty() || parsed.shader.wgsl().is_some() {
         return None;
     }
-    let mut choices: Vec<Choice> = Vec::new();
+    let mut choices: Vec<AssumedChoice> = Vec::new();
     let mut unknown: Vec<String> = Vec::new();
     for round in 0..ROUNDS {
         let is_new =
@@ -174,14 +174,14 @@ fn names(parse: &Parse<'_>, offers: &mut Offers<'_>) -> Option<Completed> {
                     if choices.iter().filter(|choice| choice.is_taken() == is_taken).count() == most {
                         return None;
                     }
-                    choices.push(Choice { name, options, at: 0 });
+                    choices.push(AssumedChoice { name, options, at: 0 });
                 }
             }
         }
         parsed = parse(&values(&choices));
         // What host code offers for one name may ask for others: the choice comes before what is lacking then.
         if choices.iter().any(|choice| choice.is_taken() && choice.options.len() > 1) && errors(&parsed) > 0 {
-            improve(parse, &mut choices, errors(&parsed), &Choice::is_taken);
+            improve(parse, &mut choices, errors(&parsed), &AssumedChoice::is_taken);
             parsed = parse(&values(&choices));
         }
     }
@@ -193,7 +193,7 @@ fn names(parse: &Parse<'_>, offers: &mut Offers<'_>) -> Option<Completed> {
         return None;
     }
     let mut found = Completed::default();
-    for Choice { name, mut options, at } in choices {
+    for AssumedChoice { name, mut options, at } in choices {
         match options.swap_remove(at) {
             Meaning::Assumed(value) => found.assumed.push((name, value)),
             Meaning::Taken(offer) => found.taken.push(offer),
@@ -202,12 +202,17 @@ fn names(parse: &Parse<'_>, offers: &mut Offers<'_>) -> Option<Completed> {
     Some(found)
 }
 
-fn values(choices: &[Choice]) -> Assumed {
-    choices.iter().map(Choice::value).collect()
+fn values(choices: &[AssumedChoice]) -> Assumed {
+    choices.iter().map(AssumedChoice::value).collect()
 }
 
 /// Tries other options one by one, and keeps those that leave fewer errors. Gives the errors that are left.
-fn improve(parse: &Parse<'_>, choices: &mut [Choice], mut left: usize, which: &dyn Fn(&Choice) -> bool) -> usize {
+fn improve(
+    parse: &Parse<'_>,
+    choices: &mut [AssumedChoice],
+    mut left: usize,
+    which: &dyn Fn(&AssumedChoice) -> bool,
+) -> usize {
     for k in 0..choices.len() {
         if !which(&choices[k]) {
             continue;
@@ -243,7 +248,7 @@ fn taken(name: &str, offered: &[Offer]) -> Vec<Meaning> {
 
 /// The macros of the build that names the shader and defines most of what it lacks; of several, that with the fewest errors.
 /// A build of all shaders, which names none, is one where it defines several names.
-fn build(parse: &Parse<'_>, lacking: &[String], offered: &[Offer]) -> Vec<Choice> {
+fn build(parse: &Parse<'_>, lacking: &[String], offered: &[Offer]) -> Vec<AssumedChoice> {
     let named = offered.iter().any(|offer| offer.named);
     let mut builds: Vec<Vec<&Offer>> = Vec::new();
     for offer in offered.iter().filter(|offer| offer.named == named) {
@@ -261,8 +266,8 @@ fn build(parse: &Parse<'_>, lacking: &[String], offered: &[Offer]) -> Vec<Choice
     let least = if named { 1 } else { 2 };
     builds.retain(|build| most >= least && defines(build) == most);
     builds.truncate(MOST_OPTIONS);
-    let choices = |build: &[&Offer]| -> Vec<Choice> {
-        let choice = |offer: &&Offer| Choice {
+    let choices = |build: &[&Offer]| -> Vec<AssumedChoice> {
+        let choice = |offer: &&Offer| AssumedChoice {
             name: macro_name(&offer.name).to_owned(),
             options: vec![Meaning::Taken((*offer).clone())],
             at: 0,

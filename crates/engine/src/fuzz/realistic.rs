@@ -24,14 +24,14 @@ const NEAR: f64 = 1e-4;
 /// What realistic inputs of a function are.
 pub struct Realistic {
     /// For the invocation and the case, in the order of the fields.
-    sides: [Vec<Drawn>; 2],
+    sides: [Vec<RealisticDraw>; 2],
     links: Vec<Link>,
     /// What goes farther than usual, each in words.
     far: Vec<String>,
 }
 
 /// How an input is drawn.
-struct Drawn {
+struct RealisticDraw {
     draw: Draw,
     taken_for: &'static str,
 }
@@ -81,7 +81,7 @@ impl Realistic {
     pub fn new(records: [&Record; 2], guess: &dyn Fn(&Field) -> (Guess, bool)) -> Self {
         let one = |field: &Field| {
             let (guess, varying) = guess(field);
-            Drawn { taken_for: guess.taken_for, draw: drawn(field, &guess, varying) }
+            RealisticDraw { taken_for: guess.taken_for, draw: drawn(field, &guess, varying) }
         };
         let sides = records.map(|record| record.fields().iter().map(one).collect());
         let links = links(records, &sides);
@@ -256,7 +256,7 @@ fn drawn(field: &Field, guess: &Guess, varying: bool) -> Draw {
 }
 
 /// Normal matrices belong to the matrix of the model, inverses to what they are the inverse of.
-fn links(records: [&Record; 2], sides: &[Vec<Drawn>; 2]) -> Vec<Link> {
+fn links(records: [&Record; 2], sides: &[Vec<RealisticDraw>; 2]) -> Vec<Link> {
     let mut all: Vec<((usize, usize), &Field, &'static str)> = Vec::new();
     for (side, record) in records.into_iter().enumerate() {
         let fields = record.fields().iter().zip(&sides[side]).enumerate();

@@ -63,7 +63,7 @@ pub struct Request {
 }
 
 /// Trouble with one name.
-struct Group {
+struct FindingGroup {
     count: u64,
     counting: u64,
     /// One that shows it, of those that say most, and what it says.
@@ -197,7 +197,7 @@ fn run_on(
     }
     let looked = Looked { ready, domain, in_parts, sizes: &sizes };
     let lowered = Lowered::new(ready);
-    let mut running = Running { looked, key, case, size, on, groups: HashMap::new(), lowered, report };
+    let mut running = FuzzRun { looked, key, case, size, on, groups: HashMap::new(), lowered, report };
     let second = if in_parts { samples / SECOND } else { 0 };
     running.samples(Part::Realistic, samples - second);
     running.samples(Part::Hostile, second);
@@ -214,7 +214,7 @@ fn run_on(
 }
 
 /// A function under way.
-struct Running<'a> {
+struct FuzzRun<'a> {
     looked: Looked<'a>,
     /// Of the inputs.
     key: u64,
@@ -223,12 +223,12 @@ struct Running<'a> {
     /// Samples of one batch at most.
     size: usize,
     on: Vec<OnLane<'a>>,
-    groups: HashMap<Key, Group>,
+    groups: HashMap<Key, FindingGroup>,
     lowered: Option<Lowered<'a>>,
     report: FunctionReport,
 }
 
-impl<'a> Running<'a> {
+impl<'a> FuzzRun<'a> {
     /// What samples are in binary64 and in binary32.
     fn looks(&self, batch: &Batch) -> Vec<Look> {
         scan(&self.looked.ready.executable, &self.looked.ready.kernel.output.vertex, batch)
@@ -410,7 +410,7 @@ fn sort(
     part: Part,
     batch: &Batch,
     looks: &[Look],
-    groups: &mut HashMap<Key, Group>,
+    groups: &mut HashMap<Key, FindingGroup>,
     report: &mut FunctionReport,
 ) {
     let open: Vec<(usize, Look)> =
@@ -424,7 +424,7 @@ fn sort(
         let Some(named) = named else { continue };
         let sample = Sample::of(batch, *invocation);
         let standing = looked.standing(part, &sample);
-        let group = groups.entry(named.key()).or_insert_with(|| Group {
+        let group = groups.entry(named.key()).or_insert_with(|| FindingGroup {
             count: 0,
             counting: 0,
             sample: sample.clone(),
@@ -461,11 +461,11 @@ fn that_end(batch: Batch, looks: &[Look], twins: Vec<(usize, usize)>) -> (Batch,
 fn at_failure(
     looked: Looked<'_>,
     (lane, fenced): (&LaneName, &Fenced),
-    groups: &mut HashMap<Key, Group>,
+    groups: &mut HashMap<Key, FindingGroup>,
     reproduce: &dyn Fn(&Sample) -> String,
 ) -> Finding {
     let named = undefined(&fenced.because);
-    let alone = Group {
+    let alone = FindingGroup {
         count: 1,
         counting: u64::from(looked.domain.counts(&fenced.sample)),
         sample: fenced.sample.clone(),
@@ -481,15 +481,15 @@ fn at_failure(
 /// Shrinks one sample of each group and adds its finding.
 fn add_findings(
     looked: Looked<'_>,
-    groups: HashMap<Key, Group>,
+    groups: HashMap<Key, FindingGroup>,
     request: &Request,
     reproduce: &dyn Fn(&Sample) -> String,
     report: &mut FunctionReport,
 ) {
     let Looked { ready, domain, .. } = looked;
     let stated = domain.is_stated();
-    let mut groups: Vec<(Key, Group)> = groups.into_iter().collect();
-    let severity = |key: &Key, group: &Group| {
+    let mut groups: Vec<(Key, FindingGroup)> = groups.into_iter().collect();
+    let severity = |key: &Key, group: &FindingGroup| {
         let severity = match key.0 {
             // GLSL 4.60, 4.1.3; WGSL, 8.7; `OpIAdd` of SPIR-V, which HLSL and Slang become: the lower 32 bits are kept.
             FuzzFindingKind::IntegerOverflow if !request.strict_integers => Severity::Note,
@@ -503,7 +503,7 @@ fn add_findings(
     groups.sort_by_key(|(key, group)| {
         (severity(key), key.0, std::cmp::Reverse(group.counting), key.2.map(|s| s.index()), key.1.map(|op| op.name()))
     });
-    let by_chance = |group: &Group| {
+    let by_chance = |group: &FindingGroup| {
         let paired = group.named.kind == FuzzFindingKind::RoundingOrder && group.named.pair.is_some();
         paired && request.case.is_none() && group.count < (report.samples / PAIRED).max(2)
     };
@@ -544,7 +544,7 @@ fn finding(
     severity: Severity,
     named: &Named,
     sample: &Sample,
-    group: &Group,
+    group: &FindingGroup,
     reproduce: &dyn Fn(&Sample) -> String,
 ) -> Finding {
     let ready = looked.ready;

@@ -78,7 +78,7 @@ fn declared(ty: &str, name: &str) -> String {
 
 /// The generated text under way.
 #[derive(Default)]
-struct Text {
+struct WrapperText {
     params: Vec<String>,
     before: String,
     after: String,
@@ -88,7 +88,7 @@ struct Text {
     words: usize,
 }
 
-impl Text {
+impl WrapperText {
     fn input(&mut self, variable: &str, shown: &str, leaves: &[Leaf]) {
         for (path, shape) in leaves {
             let name = format!("sc_i{}", self.inputs.len());
@@ -132,7 +132,7 @@ impl Text {
 /// # Errors
 /// Why it cannot be called, in words that go on from "not run: ".
 pub fn wrap(shader: &Shader, function: &FunctionInfo, slice: &Slice) -> Result<Wrapped, String> {
-    let mut text = Text::default();
+    let mut text = WrapperText::default();
     let is_main = function.name.name == "main";
     let called = if is_main { MAIN } else { &function.name.name };
     let mut call = String::new();
@@ -172,7 +172,7 @@ pub fn wrap(shader: &Shader, function: &FunctionInfo, slice: &Slice) -> Result<W
     if text.words > MOST_WORDS {
         return Err(format!("it takes and gives {} words; {MOST_WORDS} at most are fed", text.words));
     }
-    let Text { params, before, after, samplers, inputs, outputs, .. } = text;
+    let WrapperText { params, before, after, samplers, inputs, outputs, .. } = text;
     let call = format!("{call}{called}({});", arguments.join(", "));
     let body = format!("\n{samplers}void {NAME}({}) {{\n{before}  {call}\n{after}}}\n", params.join(", "));
     Ok(Wrapped { file: assemble(shader, slice, function, &body), inputs, outputs })

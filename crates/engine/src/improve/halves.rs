@@ -9,7 +9,7 @@ use syntax::Shader;
 const KEYWORDS: [&str; 7] = ["fn", "struct", "var", "let", "const", "override", "alias"];
 
 /// A declaration of a module.
-struct Item<'s> {
+struct HalfItem<'s> {
     name: Option<&'s str>,
     words: BTreeSet<&'s str>,
 }
@@ -24,9 +24,9 @@ pub fn halves(shader: &Shader) -> BTreeSet<String> {
         syntax::wgsl::tokens(file.text()).iter().map(|token| (token.span, file.slice(token.span))).collect();
     let item = |span: Span| {
         let inside: Vec<&str> = words.iter().filter(|(at, _)| span.contains(at.start)).map(|(_, word)| *word).collect();
-        Item { name: declared(&inside), words: inside.into_iter().collect() }
+        HalfItem { name: declared(&inside), words: inside.into_iter().collect() }
     };
-    let items: Vec<Item<'_>> = shader.unit().items.iter().map(|one| item(one.span)).collect();
+    let items: Vec<HalfItem<'_>> = shader.unit().items.iter().map(|one| item(one.span)).collect();
     let mut found: BTreeSet<&str> = BTreeSet::new();
     loop {
         let before = found.len();

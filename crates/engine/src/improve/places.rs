@@ -43,14 +43,14 @@ pub(super) type IsUnit<'a> = &'a dyn Fn(&str) -> bool;
 
 /// The places of a function: those with known terms, then outermost expressions, each in the order of the text.
 pub(super) fn places(shader: &Shader, function: &Function, reals: &Reals, is_unit: IsUnit<'_>) -> [Vec<Place>; 2] {
-    let mut finder = Finder { shader, reals, is_unit, known: Vec::new(), places: Vec::new() };
+    let mut finder = PlaceFinder { shader, reals, is_unit, known: Vec::new(), places: Vec::new() };
     if let Some(body) = &function.body {
         finder.block(body);
     }
     [finder.known, finder.places]
 }
 
-struct Finder<'a> {
+struct PlaceFinder<'a> {
     shader: &'a Shader,
     reals: &'a Reals,
     is_unit: IsUnit<'a>,
@@ -58,7 +58,7 @@ struct Finder<'a> {
     places: Vec<Place>,
 }
 
-impl Finder<'_> {
+impl PlaceFinder<'_> {
     fn block(&mut self, block: &Block) {
         block.statements.iter().for_each(|statement| self.statement(statement));
     }

@@ -22,7 +22,7 @@ const DIRECTION: &str = "a direction";
 
 /// What a leaf is: a word of a record, a number of which nothing is known, or one that follows from others.
 #[derive(Clone, Debug)]
-enum Source {
+enum PointSource {
     Word {
         of_case: bool,
         word: usize,
@@ -32,7 +32,7 @@ enum Source {
     Any([f32; 2], u64),
     Drawn {
         terms: Vec<Term>,
-        sources: Vec<Source>,
+        sources: Vec<PointSource>,
         from: String,
     },
 }
@@ -41,7 +41,7 @@ pub(super) struct Drawer<'a> {
     ready: &'a Ready,
     domain: &'a Domain,
     key: u64,
-    sources: Vec<Source>,
+    sources: Vec<PointSource>,
 }
 
 /// An input of an expression, as it is told.
@@ -60,15 +60,15 @@ impl<'a> Drawer<'a> {
     /// # Errors
     /// Where a stated range of an input has no end.
     pub(super) fn new(ready: &'a Ready, domain: &'a Domain, key: u64, leaves: &[Leaf]) -> Result<Self, String> {
-        let sources: Vec<Source> = leaves.iter().map(|leaf| source(ready, leaf)).collect();
+        let sources: Vec<PointSource> = leaves.iter().map(|leaf| source(ready, leaf)).collect();
         let drawer = Self { ready, domain, key, sources };
         drawer.ends(&drawer.sources, leaves)?;
         Ok(drawer)
     }
 
-    fn ends(&self, sources: &[Source], leaves: &[Leaf]) -> Result<(), String> {
+    fn ends(&self, sources: &[PointSource], leaves: &[Leaf]) -> Result<(), String> {
         for (source, leaf) in sources.iter().zip(leaves) {
-            if let (Source::Drawn { sources, .. }, Some(drawn)) = (source, &leaf.drawn) {
+            if let (PointSource::Drawn { sources, .. }, Some(drawn)) = (source, &leaf.drawn) {
                 self.ends(sources, &drawn.leaves)?;
             }
             let Some(interval) = self.stated(source).and_then(InputDomain::interval) else { continue };
@@ -83,8 +83,8 @@ impl<'a> Drawer<'a> {
         Ok(())
     }
 
-    fn stated(&self, source: &Source) -> Option<&InputDomain> {
-        let Source::Word { of_case, field, .. } = source else { return None };
+    fn stated(&self, source: &PointSource) -> Option<&InputDomain> {
+        let PointSource::Word { of_case, field, .. } = source else { return None };
         let side = if *of_case { &self.domain.case } else { &self.domain.invocation };
         side.get(*field).filter(|input| input.is_stated())
     }
@@ -97,7 +97,7 @@ impl<'a> Drawer<'a> {
     /// Points of samples from number `first` on.
     pub(super) fn draw(&self, first: u64, count: usize) -> Vec<Vec<f32>> {
         let batch = self.batch(first, count);
-        let at = At { batch: &batch, key: self.key, first };
+        let at = PointAt { batch: &batch, key: self.key, first };
         let columns: Vec<Vec<f32>> = self.sources.iter().map(|source| at.column(source)).collect();
         let points = (0..batch.invocation_count()).map(|k| columns.iter().map(|column| column[k]).collect());
         points.filter(|point: &Vec<f32>| point.iter().all(|x| x.is_finite())).collect()
@@ -107,7 +107,7 @@ impl<'a> Drawer<'a> {
     pub(super) fn special(&self) -> Vec<Vec<f32>> {
         let mut points = self.draw(1 << 40, SPECIAL);
         // What stands for each component of a vector in turn goes with the others.
-        if self.sources.iter().any(|source| matches!(source, Source::Drawn { terms, .. } if terms.len() > 1)) {
+        if self.sources.iter().any(|source| matches!(source, PointSource::Drawn { terms, .. } if terms.len() > 1)) {
             return points;
         }
         let ranges: Vec<[f32; 2]> = (0..self.sources.len()).map(|leaf| range(&points, leaf)).collect();
@@ -135,11 +135,11 @@ impl<'a> Drawer<'a> {
     /// What the inputs are, for reports.
     pub(super) fn inputs(&self, leaves: &[Leaf], points: &[Vec<f32>]) -> Vec<InputRange> {
         let taken = self.ready.realistic.taken_for(self.domain);
-        let of = |(leaf, source): (usize, &Source)| {
+        let of = |(leaf, source): (usize, &PointSource)| {
             let taken_for = match source {
-                Source::Any(..) => leaves[leaf].opaque.clone(),
-                Source::Drawn { from, .. } => Some(from.clone()),
-                Source::Word { of_case, field, .. } => {
+                PointSource::Any(..) => leaves[leaf].opaque.clone(),
+                PointSource::Drawn { from, .. } => Some(from.clone()),
+                PointSource::Word { of_case, field, .. } => {
                     let before = if *of_case { self.domain.invocation.len() } else { 0 };
                     taken.get(before + field).copied().flatten().map(str::to_owned)
                 }
@@ -157,27 +157,27 @@ fn range(points: &[Vec<f32>], leaf: usize) -> [f32; 2] {
 }
 
 /// Samples, of which leaves take their values.
-struct At<'a> {
+struct PointAt<'a> {
     batch: &'a Batch,
     key: u64,
     first: u64,
 }
 
-impl At<'_> {
+impl PointAt<'_> {
     /// The values of a leaf.
-    fn column(&self, source: &Source) -> Vec<f32> {
+    fn column(&self, source: &PointSource) -> Vec<f32> {
         let count = self.batch.invocation_count();
         match source {
-            Source::Word { of_case, word, .. } => {
+            PointSource::Word { of_case, word, .. } => {
                 let bits = |k| if *of_case { self.batch.case_of(k) } else { self.batch.invocation(k) }[*word];
                 (0..count).map(|k| f32::from_bits(bits(k))).collect()
             }
-            Source::Any([low, high], own) => {
+            PointSource::Any([low, high], own) => {
                 let mut stream = Stream::new(mix(self.key ^ own, self.first));
                 let mut part = || (stream.bits() >> 40) as f32 / (1u64 << 24) as f32;
                 (0..count).map(|_| low + (high - low) * part()).collect()
             }
-            Source::Drawn { terms, sources, .. } => {
+            PointSource::Drawn { terms, sources, .. } => {
                 let points = Points::of_columns(sources.iter().map(|source| self.column(source)).collect());
                 let columns: Vec<Vec<f32>> = terms.iter().map(|term| ::improve::run(term, &points)).collect();
                 (0..count).map(|k| columns[k % columns.len()][k]).collect()
@@ -196,7 +196,7 @@ pub(super) fn is_unit(ready: &Ready, domain: &Domain, text: &str) -> bool {
     named.any(|(_, (input, taken))| input.has(Law::Normalised) || taken == Some(DIRECTION))
 }
 
-fn source(ready: &Ready, leaf: &Leaf) -> Source {
+fn source(ready: &Ready, leaf: &Leaf) -> PointSource {
     if let Some(Drawn { terms, leaves }) = &leaf.drawn {
         let mut from: Vec<&str> = Vec::new();
         for leaf in leaves {
@@ -207,11 +207,11 @@ fn source(ready: &Ready, leaf: &Leaf) -> Source {
         }
         let from = format!("what follows from {}", from.join(", "));
         let sources = leaves.iter().map(|leaf| source(ready, leaf)).collect();
-        return Source::Drawn { terms: terms.clone(), sources, from };
+        return PointSource::Drawn { terms: terms.clone(), sources, from };
     }
     let own = leaf.text.bytes().fold(0x1eaf_u64, |key, byte| mix(key, u64::from(byte)));
     if let Some(why) = &leaf.opaque {
-        return Source::Any(if why.contains("texture") || why.contains("texel") { TEXEL } else { UNKNOWN }, own);
+        return PointSource::Any(if why.contains("texture") || why.contains("texel") { TEXEL } else { UNKNOWN }, own);
     }
     let find = |record: &Record, of_case: bool| {
         let all = record.fields().iter().enumerate();
@@ -219,10 +219,10 @@ fn source(ready: &Ready, leaf: &Leaf) -> Source {
             let rest = leaf.text.strip_prefix(&field.name)?;
             Some((k, component(rest, record.range(k))?))
         });
-        found.map(|(field, word)| Source::Word { of_case, word, field })
+        found.map(|(field, word)| PointSource::Word { of_case, word, field })
     };
     let kernel = &ready.kernel;
-    find(&kernel.invocation, false).or_else(|| find(&kernel.case, true)).unwrap_or(Source::Any(UNKNOWN, own))
+    find(&kernel.invocation, false).or_else(|| find(&kernel.case, true)).unwrap_or(PointSource::Any(UNKNOWN, own))
 }
 
 /// The word that a text behind the name of a field means: nothing, a component, an index.

@@ -21,12 +21,12 @@ pub(super) fn known(
     is_unit: IsUnit<'_>,
     id: ExprId,
 ) -> Option<(Term, Vec<Leaf>, Known)> {
-    let mut form = Form { shader, is_unit, leaves: Lowering::new(shader, reals, false) };
+    let mut form = VectorForm { shader, is_unit, leaves: Lowering::new(shader, reals, false) };
     let (term, known) = form.of(id)?;
     Some((term, form.leaves.leaves, known))
 }
 
-struct Form<'a> {
+struct VectorForm<'a> {
     shader: &'a Shader,
     is_unit: IsUnit<'a>,
     /// Collects leaves; its own term is not used.
@@ -36,7 +36,7 @@ struct Form<'a> {
 /// The leaves of a vector, by their numbers.
 type Vector = Vec<u32>;
 
-impl Form<'_> {
+impl VectorForm<'_> {
     fn of(&mut self, id: ExprId) -> Option<(Term, Known)> {
         match &self.shader.expr(id).kind {
             ExprKind::Binary { op: BinaryOp::Sub, left, right, .. } => self.squares(*left, *right),

@@ -49,7 +49,7 @@ pub struct Request {
 }
 
 /// A batch of inputs.
-struct Step {
+struct MutantStep {
     batch: Batch,
     /// Samples of the batches before.
     before: u64,
@@ -57,7 +57,7 @@ struct Step {
 
 /// What every mutant of a suite is put to.
 struct MutantRun<'a> {
-    steps: Vec<Step>,
+    steps: Vec<MutantStep>,
     probes: Probes,
     seed: u64,
     /// Samples of a mutant that nothing kills.
@@ -217,7 +217,7 @@ fn same_interface(a: &Kernel, b: &Kernel) -> bool {
 }
 
 /// Runs the original, which has to pass everything that mutants are put to.
-fn original(trial: &mut Trial<'_>, probes: &Probes, request: &Request) -> Result<Vec<Step>, MutateError> {
+fn original(trial: &mut Trial<'_>, probes: &Probes, request: &Request) -> Result<Vec<MutantStep>, MutateError> {
     let prepared = trial.prepared;
     let suite = || prepared.suite.name.clone();
     let fails = |why: String| MutateError::Original { suite: suite(), why };
@@ -243,7 +243,7 @@ fn original(trial: &mut Trial<'_>, probes: &Probes, request: &Request) -> Result
             return Err(fails(failure.deviation.to_string()));
         }
         judged += verdicts.agreed;
-        steps.push(Step { batch, before: first * per_case as u64 });
+        steps.push(MutantStep { batch, before: first * per_case as u64 });
         first += count;
     }
     if judged == 0 {
@@ -282,7 +282,7 @@ fn outcome(
     let (reference, stage) = (&prepared.reference, LaneStage::Compute);
     let context = JudgeContext { oracle: &oracle, reference, promises: shared.promises, stage };
     let (mut moved, mut samples) = (Movement::default(), 0);
-    for Step { batch, before } in &shared.steps {
+    for MutantStep { batch, before } in &shared.steps {
         if interrupt::asked() {
             return Err(LaneError::Unsupported("the run was interrupted".to_owned()));
         }

@@ -111,7 +111,7 @@ pub fn read_compiled(
     let compiler = compiler(written, asked.compiler.as_deref()).map_err(unable)?;
     let beside = Path::new(file.name()).parent().map(Path::to_owned);
     let beside = beside.map(|folder| if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder });
-    let work = Work {
+    let work = CompiledWork {
         file,
         text: without_line_directives(file.text()),
         written,
@@ -140,7 +140,7 @@ fn without_line_directives(text: &str) -> String {
 
 type Points = Vec<(String, PointStage)>;
 
-struct Work<'a> {
+struct CompiledWork<'a> {
     file: &'a SourceFile,
     text: String,
     written: Written,
@@ -150,7 +150,7 @@ struct Work<'a> {
     defines: &'a [(String, String)],
 }
 
-impl Work<'_> {
+impl CompiledWork<'_> {
     /// The entry points whose stage is known.
     fn points(&self, asked: &Asked) -> Points {
         let named = asked.entry.as_deref();

@@ -109,7 +109,7 @@ impl Count {
 
     fn whole(&self, sizes: &Defines) -> Result<i64, String> {
         let told = |what: String| format!("{}: `{}`: {what}", self.at, self.text);
-        let mut reader = Reader { rest: &self.text, sizes, depth: 0 };
+        let mut reader = DispatchReader { rest: &self.text, sizes, depth: 0 };
         let value = reader.sum().map_err(told)?;
         if !reader.rest.trim_start().is_empty() {
             return Err(told(format!("`{}` is not expected here", reader.rest.trim())));
@@ -121,13 +121,13 @@ impl Count {
 /// Deepest nesting of parentheses.
 const DEEPEST: usize = 64;
 
-struct Reader<'a> {
+struct DispatchReader<'a> {
     rest: &'a str,
     sizes: &'a Defines,
     depth: usize,
 }
 
-impl Reader<'_> {
+impl DispatchReader<'_> {
     fn takes(&mut self, operators: &[char]) -> Option<char> {
         let rest = self.rest.trim_start();
         let found = rest.chars().next().filter(|c| operators.contains(c))?;

@@ -12,12 +12,12 @@ use super::compiled::{Asked, read_compiled};
 
 /// A text in WGSL with what it imports, or one that a compiler reads.
 pub struct Joined {
-    made: Made,
+    made: JoinedText,
     /// Names that are given, and mean something to a file other than the value of a constant.
     stated: Vec<String>,
 }
 
-enum Made {
+enum JoinedText {
     /// A text in WGSL.
     Composed(Result<Composed, Vec<Diagnostic>>),
     /// A text in HLSL or Slang, which is compiled when it is read.
@@ -40,7 +40,10 @@ impl Joined {
         if Written::of(file).is_compiled() {
             let (file, folders, defines) = (file.clone(), folders.to_vec(), options.defines.clone());
             let stated = defines.iter().map(|(name, _)| name.clone()).collect();
-            return Ok(Some(Self { made: Made::Compiled { file, folders, defines, asked: asked.clone() }, stated }));
+            return Ok(Some(Self {
+                made: JoinedText::Compiled { file, folders, defines, asked: asked.clone() },
+                stated,
+            }));
         }
         // A text in another language than its ending says is told as such by its reader.
         if Written::of(file) != Written::Wgsl || syntax::other_language(file, syntax::Looks::Wgsl).is_some() {
@@ -52,16 +55,16 @@ impl Joined {
             Err(error @ ComposeError::Unreadable(..)) => return Err(error),
         };
         let stated = composed.as_ref().map(|composed| composed.stated.clone()).unwrap_or_default();
-        Ok(Some(Self { made: Made::Composed(composed), stated }))
+        Ok(Some(Self { made: JoinedText::Composed(composed), stated }))
     }
 
     /// The text, or the file itself where something is wrong.
     pub fn file(&self, own: &SourceFile) -> SourceFile {
         match &self.made {
-            Made::Composed(composed) => {
+            JoinedText::Composed(composed) => {
                 composed.as_ref().map_or_else(|_| own.clone(), |composed| composed.file.clone())
             }
-            Made::Compiled { file, .. } => file.clone(),
+            JoinedText::Compiled { file, .. } => file.clone(),
         }
     }
 
@@ -71,8 +74,8 @@ impl Joined {
     /// As of [`ModuleText::read`], and what is wrong with the files.
     pub fn module(&self) -> Result<ModuleText, ProgramError> {
         let composed = match &self.made {
-            Made::Composed(composed) => composed.as_ref().map_err(|found| ProgramError::Source(found.clone()))?,
-            Made::Compiled { file, folders, defines, asked } => {
+            JoinedText::Composed(composed) => composed.as_ref().map_err(|found| ProgramError::Source(found.clone()))?,
+            JoinedText::Compiled { file, folders, defines, asked } => {
                 return read_compiled(file, folders, defines, asked).map(|(text, _)| text);
             }
         };
@@ -88,7 +91,7 @@ impl Joined {
     /// # Errors
     /// As of [`ModuleText::read`]: what is wrong beside what is lacking.
     pub fn rest(&self) -> Option<Result<(ModuleText, &[LeftOut]), ProgramError>> {
-        let Made::Composed(Ok(composed)) = &self.made else { return None };
+        let JoinedText::Composed(Ok(composed)) = &self.made else { return None };
         let rest = composed.rest.as_ref()?;
         let text = ModuleText::read(&rest.file, Written::Wgsl).map_err(|error| authored_error(error, composed));
         Some(text.map(|text| (text, &rest.left_out[..])))
@@ -105,9 +108,9 @@ impl Joined {
     /// What is worth knowing: where names come from that the text does not say.
     pub fn notes(&self) -> Vec<String> {
         let composed = match &self.made {
-            Made::Composed(Ok(composed)) => composed,
-            Made::Composed(Err(_)) => return Vec::new(),
-            Made::Compiled { file, asked, .. } => return reader(file, asked),
+            JoinedText::Composed(Ok(composed)) => composed,
+            JoinedText::Composed(Err(_)) => return Vec::new(),
+            JoinedText::Compiled { file, asked, .. } => return reader(file, asked),
         };
         let taken = composed.guessed.iter().map(|guess| format!("`{}` is taken from {}", guess.name, guess.file));
         let told = composed.notes.iter().flat_map(|note| {

@@ -13,7 +13,7 @@ use property::law::LawKind;
 
 /// What a value may be.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Form {
+pub(super) enum KeyForm {
     Text,
     Texts,
     TextOrTexts,
@@ -44,7 +44,7 @@ pub(super) enum Form {
 
 pub(super) struct Key {
     pub name: &'static str,
-    pub form: Form,
+    pub form: KeyForm,
     pub required: bool,
     pub about: &'static str,
 }
@@ -56,11 +56,11 @@ pub(super) struct Section {
     pub keys: &'static [Key],
 }
 
-const fn key(name: &'static str, form: Form, about: &'static str) -> Key {
+const fn key(name: &'static str, form: KeyForm, about: &'static str) -> Key {
     Key { name, form, required: false, about }
 }
 
-const fn required(name: &'static str, form: Form, about: &'static str) -> Key {
+const fn required(name: &'static str, form: KeyForm, about: &'static str) -> Key {
     Key { name, form, required: true, about }
 }
 
@@ -100,50 +100,50 @@ pub(super) const SECTIONS: &[Section] = &[
         title: "",
         about: "A suite file is called NAME.suite.toml and lies beside its shader.",
         keys: &[
-            required("suite", Form::Text, "Name: lower case letters, digits and `_`."),
-            key("title", Form::Text, "What is tested, in a few words."),
+            required("suite", KeyForm::Text, "Name: lower case letters, digits and `_`."),
+            key("title", KeyForm::Text, "What is tested, in a few words."),
             required(
                 "shader",
-                Form::Text,
+                KeyForm::Text,
                 "The shader, relative to this file. Elsewhere than beside it, only a file with the ending of a shader is \
                  read.",
             ),
             key(
                 "linked",
-                Form::Texts,
+                KeyForm::Texts,
                 "Other texts of the same stage, relative to this file: what the shader declares and they define is \
                  linked as OpenGL does.",
             ),
             key(
                 "with",
-                Form::Texts,
+                KeyForm::Texts,
                 "For a shader in WGSL: files that the host puts before it, relative to this one. What the shader does not \
                  declare is taken from them.",
             ),
             key(
                 "assign_bindings",
-                Form::Flag,
+                KeyForm::Flag,
                 "For a shader in WGSL: give its resources a group and a binding where none of them has one, as its host \
                  does; false without it.",
             ),
-            required("stage", Form::OneOf(stages), "What is run: `main` of a stage, or one function."),
+            required("stage", KeyForm::OneOf(stages), "What is run: `main` of a stage, or one function."),
             key(
                 "entry",
-                Form::TextOrTexts,
+                KeyForm::TextOrTexts,
                 "The function that is called; for `stage = \"function\"`. A list runs several: each takes the inputs that \
                  are its parameters. For another stage, the entry point of a .wgsl that has several of the stage.",
             ),
-            key("formula", Form::OneOf(formulas), "Expected outputs: a formula that comes with shadercheck."),
+            key("formula", KeyForm::OneOf(formulas), "Expected outputs: a formula that comes with shadercheck."),
             key(
                 "reference",
-                Form::FileOr("[reference]"),
+                KeyForm::FileOr("[reference]"),
                 "Expected outputs: what another shader means in binary64. A file alone stands for the same stage, or \
                  the function of the same name: the shader as it was, a slow one that is right; of a .wgsl, a function. \
                  Without `#version`, it is read under the version that fits what it uses.",
             ),
             key(
                 "recorded",
-                Form::FileOr("[recorded]"),
+                KeyForm::FileOr("[recorded]"),
                 "Expected outputs: a file of recorded values, .csv, .json or .npz. The first line of a .csv names components \
                  of inputs and outputs (`x`, `p.y`, `m[3][0]`, `return`; `out p` for what is both), a .json is a list \
                  of objects. Values are decimal, or the bits of a binary32 as 0x3f800000. A .npz has an array for each \
@@ -151,33 +151,37 @@ pub(super) const SECTIONS: &[Section] = &[
             ),
             key(
                 "relations",
-                Form::Relations,
+                KeyForm::Relations,
                 "What holds between outputs: names of relations that come with shadercheck, and laws in tables.",
             ),
             key(
                 "defines",
-                Form::Macros,
+                KeyForm::Macros,
                 "Macros, each with a value or a list of values: every combination is run. `true` defines a macro as 1, \
                  `false` leaves it undefined.",
             ),
             key(
                 "include",
-                Form::Texts,
+                KeyForm::Texts,
                 "Folders, from the suite file on, in which files are looked for that the shader includes. Those beside \
                  the file that includes them are found without it. From elsewhere than the folder of the shader, only \
                  files with the ending of a shader or of a part of one (.glsl, .inc, .h) are read.",
             ),
-            key("samples", Form::Whole { least: 1, most: WHOLE }, "Inputs that are made; 16384 without it."),
+            key("samples", KeyForm::Whole { least: 1, most: WHOLE }, "Inputs that are made; 16384 without it."),
             key(
                 "per_case",
-                Form::Whole { least: 1, most: 1 << 20 },
+                KeyForm::Whole { least: 1, most: 1 << 20 },
                 "Invocations that share one set of uniforms; 16 without it.",
             ),
-            key("inputs", Form::Tables("[[inputs]]"), "What fills the inputs: every attribute, uniform and parameter."),
-            key("floors", Form::Table("[floors]"), "What a run must reach, so that its success means something."),
+            key(
+                "inputs",
+                KeyForm::Tables("[[inputs]]"),
+                "What fills the inputs: every attribute, uniform and parameter.",
+            ),
+            key("floors", KeyForm::Table("[floors]"), "What a run must reach, so that its success means something."),
             key(
                 "literals",
-                Form::OneOf(literals),
+                KeyForm::OneOf(literals),
                 "What is made of literals that are known constants in few digits, such as 3.141593 for π. \"meant\", as \
                  without it: where the shader deviates with the digits that are written, it is judged with the constant, \
                  and the literal is a warning; with fewer than 6 digits only where that moves no output farther than a \
@@ -185,14 +189,14 @@ pub(super) const SECTIONS: &[Section] = &[
             ),
             key(
                 "textures",
-                Form::Textures,
+                KeyForm::Textures,
                 "What samplers are bound to, by their names in the shader (`\"material.map\"`, `\"maps[1]\"`): \"procedural\" \
                  (texels that all differ, as without this), \"checker\", a .png file beside this one (its first row is at \
                  0), or four numbers that every texel holds. Textures have one level, the nearest texel is taken, and \
                  coordinates are clamped to the edge.",
             ),
-            key("strands", Form::Table("[strands]"), "Strands of nodes that a geometry stage sees four at a time."),
-            key("dispatch", Form::Table("[dispatch]"), "How a compute stage is dispatched; needed for it."),
+            key("strands", KeyForm::Table("[strands]"), "Strands of nodes that a geometry stage sees four at a time."),
+            key("dispatch", KeyForm::Table("[dispatch]"), "How a compute stage is dispatched; needed for it."),
         ],
     },
     Section {
@@ -201,15 +205,15 @@ pub(super) const SECTIONS: &[Section] = &[
                 before, and its outputs what those hold behind it that are written. Numbers may be expressions of sizes: \
                 `\"(N + 63) / 64\"`.",
         keys: &[
-            required("groups", Form::Words, "Workgroups along x, y and z; 1 along axes that are left out."),
+            required("groups", KeyForm::Words, "Workgroups along x, y and z; 1 along axes that are left out."),
             key(
                 "lengths",
-                Form::Counts("[dispatch.lengths]"),
+                KeyForm::Counts("[dispatch.lengths]"),
                 "Elements of the arrays that are as long as their buffers, by the name of the buffer.",
             ),
             key(
                 "sizes",
-                Form::Counts("[dispatch.sizes]"),
+                KeyForm::Counts("[dispatch.sizes]"),
                 "Names of sizes with the values that they take, as a list, or as a range of which the awkward ones are \
                  taken: { from = 1, to = 300 }. Every combination is run, and the reference gets sizes as macros.",
             ),
@@ -227,27 +231,27 @@ pub(super) const SECTIONS: &[Section] = &[
                 generator `constant`. Numbers of the draw (`gl_VertexID`, `gl_InstanceID`, `gl_PrimitiveIDIn`, …) are \
                 inputs too; without a group they are whole numbers from 0 that no array of the shader is too short for.",
         keys: &[
-            required("names", Form::Texts, "Names in the shader, in the order in which the generator takes them."),
-            required("generator", Form::OneOf(generator_names), "How values are made."),
+            required("names", KeyForm::Texts, "Names in the shader, in the order in which the generator takes them."),
+            required("generator", KeyForm::OneOf(generator_names), "How values are made."),
             key(
                 "range",
-                Form::Range,
+                KeyForm::Range,
                 "Smallest and largest value; of a compute stage, also whole numbers by sizes: `[0, \"N - 1\"]`.",
             ),
             key(
                 "values",
-                Form::Numbers,
+                KeyForm::Numbers,
                 "For `constant`: one number for all components, or one for each; of a compute stage, also whole numbers by \
                  sizes: `[\"N\"]`.",
             ),
             key(
                 "components",
-                Form::Whole { least: 1, most: 4 },
+                KeyForm::Whole { least: 1, most: 4 },
                 "Floats that the host feeds to an attribute; the rest is filled from (0, 0, 0, 1).",
             ),
             key(
                 "guessed",
-                Form::Flag,
+                KeyForm::Flag,
                 "`true` where nobody stated these values, as in suites that `init` writes: an undefined value that comes of \
                  them is a warning. Delete the line once they are what programs give.",
             ),
@@ -257,12 +261,12 @@ pub(super) const SECTIONS: &[Section] = &[
         title: "[reference]",
         about: "A shader that says what is right.",
         keys: &[
-            required("file", Form::Text, "The file, relative to this one."),
-            key("function", Form::Text, "The function that is called. Its parameters are found by their names."),
-            key("output", Form::Text, "The output that the value of the function stands for; needed for several."),
+            required("file", KeyForm::Text, "The file, relative to this one."),
+            key("function", KeyForm::Text, "The function that is called. Its parameters are found by their names."),
+            key("output", KeyForm::Text, "The output that the value of the function stands for; needed for several."),
             key(
                 "groups",
-                Form::Words,
+                KeyForm::Words,
                 "Of a compute stage, its workgroups along x, y and z; those of the suite without it. A plain loop over the \
                  buffers has one workgroup of one invocation: `groups = 1`.",
             ),
@@ -272,14 +276,14 @@ pub(super) const SECTIONS: &[Section] = &[
         title: "[recorded]",
         about: "Recorded values, and how exact they are.",
         keys: &[
-            required("file", Form::Text, "The file, relative to this one."),
+            required("file", KeyForm::Text, "The file, relative to this one."),
             key(
                 "relative_error",
-                Form::Number,
+                KeyForm::Number,
                 "How far recorded values may be from true ones, as a part of the largest component; 2^-24 without \
                  it, which is rounding to binary32 and nothing else.",
             ),
-            key("absolute_error", Form::Number, "A number that is added to that; 0 without it."),
+            key("absolute_error", KeyForm::Number, "A number that is added to that; 0 without it."),
         ],
     },
     Section {
@@ -287,26 +291,30 @@ pub(super) const SECTIONS: &[Section] = &[
         about: "A law: a relation that holds for any shader of its kind, by the names of inputs and outputs. The same \
                 as a table in the list `relations`.",
         keys: &[
-            required("kind", Form::OneOf(laws), "What is claimed; see below."),
+            required("kind", KeyForm::OneOf(laws), "What is claimed; see below."),
             key(
                 "outputs",
-                Form::Texts,
+                KeyForm::Texts,
                 "Outputs that it is about (`return` for the value of a function); all without it.",
             ),
             key(
                 "inputs",
-                Form::Texts,
+                KeyForm::Texts,
                 "Inputs that it is about; for all kinds but `range`, `unit`, `rigid` and `sums`.",
             ),
-            key("period", Form::Number, "For `periodic`: a real number, with as many digits as it has."),
-            key("direction", Form::OneOf(directions), "For `monotone`, and for `sorts`: rising without it."),
-            key("range", Form::Range, "For `range`: both ends belong to it."),
-            key("points", Form::Texts, "For `rigid`: inputs and outputs that are points, and move with the motion."),
-            key("directions", Form::Texts, "For `rigid`: inputs and outputs that are directions, and turn with it."),
-            key("mirrored", Form::Flag, "For `rigid`: whether mirror images count; false without it."),
-            key("degree", Form::Whole { least: -8, most: 8 }, "For `scales`: the power."),
-            key("total", Form::Number, "For `sums`: what elements add up to."),
-            key("rows", Form::Whole { least: 1, most: 1 << 20 }, "For `sums`: equal rows of the array; 1 without it."),
+            key("period", KeyForm::Number, "For `periodic`: a real number, with as many digits as it has."),
+            key("direction", KeyForm::OneOf(directions), "For `monotone`, and for `sorts`: rising without it."),
+            key("range", KeyForm::Range, "For `range`: both ends belong to it."),
+            key("points", KeyForm::Texts, "For `rigid`: inputs and outputs that are points, and move with the motion."),
+            key("directions", KeyForm::Texts, "For `rigid`: inputs and outputs that are directions, and turn with it."),
+            key("mirrored", KeyForm::Flag, "For `rigid`: whether mirror images count; false without it."),
+            key("degree", KeyForm::Whole { least: -8, most: 8 }, "For `scales`: the power."),
+            key("total", KeyForm::Number, "For `sums`: what elements add up to."),
+            key(
+                "rows",
+                KeyForm::Whole { least: 1, most: 1 << 20 },
+                "For `sums`: equal rows of the array; 1 without it.",
+            ),
         ],
     },
     Section {
@@ -315,19 +323,19 @@ pub(super) const SECTIONS: &[Section] = &[
         keys: &[
             key(
                 "judged",
-                Form::Whole { least: 1, most: WHOLE },
+                KeyForm::Whole { least: 1, most: WHOLE },
                 "Samples that must be judged of a full run; what `undetermined` leaves without it.",
             ),
-            key("undetermined", Form::Number, "Share of samples that may be inconclusive; 0.05 without it."),
-            key("reason", Form::Text, "Why more than 0.05 may."),
+            key("undetermined", KeyForm::Number, "Share of samples that may be inconclusive; 0.05 without it."),
+            key("reason", KeyForm::Text, "Why more than 0.05 may."),
         ],
     },
     Section {
         title: "[strands]",
         about: "For a geometry stage on lines with adjacency, with a generator of the nodes of strands.",
         keys: &[
-            required("nodes", Form::Whole { least: 4, most: 1 << 20 }, "Nodes of a strand."),
-            required("ends", Form::OneOf(ends), "Whether the host repeats the nodes at the ends."),
+            required("nodes", KeyForm::Whole { least: 4, most: 1 << 20 }, "Nodes of a strand."),
+            required("ends", KeyForm::OneOf(ends), "Whether the host repeats the nodes at the ends."),
         ],
     },
 ];
@@ -372,26 +380,26 @@ pub fn page() -> String {
     text
 }
 
-fn named(form: Form) -> String {
+fn named(form: KeyForm) -> String {
     match form {
-        Form::Text => "text".to_owned(),
-        Form::Texts => "list of texts".to_owned(),
-        Form::TextOrTexts => "text, or a list of texts".to_owned(),
-        Form::Whole { least, most } => format!("whole number from {least} to {most}"),
-        Form::Number => "number".to_owned(),
-        Form::Words => "number or text, or a list of them".to_owned(),
-        Form::Counts(title) => format!("table {title} of numbers, texts and lists of them"),
-        Form::Range => "[lo, hi]".to_owned(),
-        Form::Numbers => "list of numbers".to_owned(),
-        Form::Flag => "true or false".to_owned(),
-        Form::OneOf(names) if names().len() > 6 => "text, one of a list".to_owned(),
-        Form::OneOf(names) => names().iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", "),
-        Form::FileOr(title) => format!("text, or a table {title}"),
-        Form::Table(title) => format!("table {title}"),
-        Form::Tables(title) => format!("tables {title}"),
-        Form::Relations => "list of texts and tables [[relations]]".to_owned(),
-        Form::Textures => "table [textures] of texts and lists of four numbers".to_owned(),
-        Form::Macros => "table [defines] of texts, numbers, true, false, and lists of them".to_owned(),
+        KeyForm::Text => "text".to_owned(),
+        KeyForm::Texts => "list of texts".to_owned(),
+        KeyForm::TextOrTexts => "text, or a list of texts".to_owned(),
+        KeyForm::Whole { least, most } => format!("whole number from {least} to {most}"),
+        KeyForm::Number => "number".to_owned(),
+        KeyForm::Words => "number or text, or a list of them".to_owned(),
+        KeyForm::Counts(title) => format!("table {title} of numbers, texts and lists of them"),
+        KeyForm::Range => "[lo, hi]".to_owned(),
+        KeyForm::Numbers => "list of numbers".to_owned(),
+        KeyForm::Flag => "true or false".to_owned(),
+        KeyForm::OneOf(names) if names().len() > 6 => "text, one of a list".to_owned(),
+        KeyForm::OneOf(names) => names().iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", "),
+        KeyForm::FileOr(title) => format!("text, or a table {title}"),
+        KeyForm::Table(title) => format!("table {title}"),
+        KeyForm::Tables(title) => format!("tables {title}"),
+        KeyForm::Relations => "list of texts and tables [[relations]]".to_owned(),
+        KeyForm::Textures => "table [textures] of texts and lists of four numbers".to_owned(),
+        KeyForm::Macros => "table [defines] of texts, numbers, true, false, and lists of them".to_owned(),
     }
 }
 
@@ -476,24 +484,24 @@ fn object(section: &Section) -> Map<String, Value> {
     object
 }
 
-fn of(form: Form) -> Value {
+fn of(form: KeyForm) -> Value {
     let text = || json!({ "type": "string", "minLength": 1 });
     let table = |title: &str| Value::Object(object(section(title)));
     // Or an expression of sizes.
     let number = json!({ "type": ["number", "string"] });
     match form {
-        Form::Text => text(),
-        Form::Texts => json!({ "type": "array", "items": text(), "uniqueItems": true }),
-        Form::TextOrTexts => {
+        KeyForm::Text => text(),
+        KeyForm::Texts => json!({ "type": "array", "items": text(), "uniqueItems": true }),
+        KeyForm::TextOrTexts => {
             json!({ "anyOf": [text(), { "type": "array", "items": text(), "minItems": 1, "uniqueItems": true }] })
         }
-        Form::Whole { least, most } => json!({ "type": "integer", "minimum": least, "maximum": most }),
-        Form::Number => json!({ "type": "number" }),
-        Form::Words => {
+        KeyForm::Whole { least, most } => json!({ "type": "integer", "minimum": least, "maximum": most }),
+        KeyForm::Number => json!({ "type": "number" }),
+        KeyForm::Words => {
             let word = json!({ "type": ["string", "integer"] });
             json!({ "anyOf": [word, { "type": "array", "items": word, "minItems": 1 }] })
         }
-        Form::Counts(_) => {
+        KeyForm::Counts(_) => {
             let word = json!({ "type": ["string", "integer"] });
             let whole = json!({ "type": "integer", "minimum": 0 });
             let range = json!({
@@ -505,24 +513,24 @@ fn of(form: Form) -> Value {
                 "additionalProperties": { "anyOf": [word, { "type": "array", "items": word, "minItems": 1 }, range] },
             })
         }
-        Form::Range => json!({ "type": "array", "items": number, "minItems": 2, "maxItems": 2 }),
-        Form::Numbers => json!({ "type": "array", "items": number }),
-        Form::Flag => json!({ "type": "boolean" }),
-        Form::OneOf(names) => json!({ "enum": names() }),
-        Form::FileOr(title) => json!({ "anyOf": [text(), table(title)] }),
-        Form::Table(title) => table(title),
-        Form::Tables(title) => json!({ "type": "array", "items": table(title) }),
-        Form::Relations => {
+        KeyForm::Range => json!({ "type": "array", "items": number, "minItems": 2, "maxItems": 2 }),
+        KeyForm::Numbers => json!({ "type": "array", "items": number }),
+        KeyForm::Flag => json!({ "type": "boolean" }),
+        KeyForm::OneOf(names) => json!({ "enum": names() }),
+        KeyForm::FileOr(title) => json!({ "anyOf": [text(), table(title)] }),
+        KeyForm::Table(title) => table(title),
+        KeyForm::Tables(title) => json!({ "type": "array", "items": table(title) }),
+        KeyForm::Relations => {
             let names: Vec<&str> = catalogue::relations().map(|relation| relation.name()).collect();
             json!({ "type": "array", "items": { "anyOf": [{ "enum": names }, table("[[relations]]")] } })
         }
-        Form::Textures => {
+        KeyForm::Textures => {
             let numbers = json!({ "type": "array", "items": { "type": "number" }, "minItems": 4, "maxItems": 4 });
             let file = json!({ "type": "string", "pattern": "\\.[pP][nN][gG]$" });
             let words = json!({ "enum": super::textures::WORDS });
             json!({ "type": "object", "additionalProperties": { "anyOf": [words, file, numbers] } })
         }
-        Form::Macros => {
+        KeyForm::Macros => {
             let word = json!({ "type": ["string", "number", "boolean"] });
             let list = json!({ "type": "array", "items": word, "minItems": 1, "uniqueItems": true });
             json!({ "type": "object", "additionalProperties": { "anyOf": [word, list] } })
@@ -570,7 +578,7 @@ mod tests {
     #[test]
     fn every_title_is_a_section() {
         for key in SECTIONS.iter().flat_map(|section| section.keys) {
-            if let Form::FileOr(title) | Form::Table(title) | Form::Tables(title) = key.form {
+            if let KeyForm::FileOr(title) | KeyForm::Table(title) | KeyForm::Tables(title) = key.form {
                 assert_eq!(section(title).title, title);
             }
         }

@@ -17,7 +17,7 @@ pub use npz::rows_of_arrays;
 
 /// A column of a record: which word of which side it gives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Column {
+enum RecordColumn {
     Invocation(usize),
     Case(usize),
     Output(usize),
@@ -43,7 +43,7 @@ pub fn rows(
     text: &SourceFile,
     interface: &Interface<'_>,
 ) -> Result<(Vec<String>, Vec<RecordedRow>), Vec<Problem>> {
-    let mut reading = Reading { file: text, interface, problems: Vec::new() };
+    let mut reading = RecordReading { file: text, interface, problems: Vec::new() };
     let (columns, values) = if text.name().ends_with(".json") { reading.json() } else { reading.csv() };
     let outputs = reading.outputs(&columns);
     if !reading.problems.is_empty() {
@@ -53,7 +53,7 @@ pub fn rows(
     Ok((outputs.into_iter().map(|field| field.name).collect(), rows))
 }
 
-struct Reading<'a> {
+struct RecordReading<'a> {
     file: &'a SourceFile,
     interface: &'a Interface<'a>,
     problems: Vec<Problem>,
@@ -62,15 +62,15 @@ struct Reading<'a> {
 type Rows = Vec<Vec<f64>>;
 
 /// A record, and what one of its words is as a column.
-type Side<'r> = (&'r Record, fn(usize) -> Column);
+type Side<'r> = (&'r Record, fn(usize) -> RecordColumn);
 
-impl Reading<'_> {
+impl RecordReading<'_> {
     fn problem(&mut self, at: String, message: String) {
         self.problems.push(Problem { at, message });
     }
 
-    fn csv(&mut self) -> (Vec<Column>, Rows) {
-        let mut columns: Vec<Column> = Vec::new();
+    fn csv(&mut self) -> (Vec<RecordColumn>, Rows) {
+        let mut columns: Vec<RecordColumn> = Vec::new();
         let mut rows = Vec::new();
         let mut named = false;
         for line in 1..=self.file.line_count() {
@@ -107,7 +107,7 @@ impl Reading<'_> {
         (columns, rows)
     }
 
-    fn json(&mut self) -> (Vec<Column>, Rows) {
+    fn json(&mut self) -> (Vec<RecordColumn>, Rows) {
         let list: Vec<serde_json::Map<String, Value>> = match serde_json::from_str(self.file.text()) {
             Ok(list) => list,
             Err(error) => {
@@ -123,10 +123,10 @@ impl Reading<'_> {
             let within = if name.is_empty() { None } else { text[start..].find(&format!("\"{name}\"")) };
             file.locate(start + within.unwrap_or_default())
         };
-        let mut columns: Vec<Column> = Vec::new();
+        let mut columns: Vec<RecordColumn> = Vec::new();
         let mut rows = Vec::new();
         for (k, object) in list.iter().enumerate() {
-            let mut row: Vec<(Column, f64)> = Vec::new();
+            let mut row: Vec<(RecordColumn, f64)> = Vec::new();
             for (name, value) in object {
                 let mut words = Vec::new();
                 let at = place(k, name);
@@ -147,7 +147,7 @@ impl Reading<'_> {
             if k == 0 {
                 columns = row.iter().map(|(column, _)| *column).collect();
             }
-            let value = |column: &Column| row.iter().find(|(c, _)| c == column).map(|(_, value)| *value);
+            let value = |column: &RecordColumn| row.iter().find(|(c, _)| c == column).map(|(_, value)| *value);
             match columns.iter().map(value).collect::<Option<Vec<f64>>>() {
                 Some(values) if row.len() == columns.len() => rows.push(values),
                 _ if self.problems.is_empty() => {
@@ -160,16 +160,18 @@ impl Reading<'_> {
     }
 
     /// A column by the name of a component: `x`, `p.y`, `mc[3][0]`; `out p.y` for what is also an input.
-    fn column(&mut self, at: &str, name: &str) -> Option<Column> {
+    fn column(&mut self, at: &str, name: &str) -> Option<RecordColumn> {
         let Interface { invocation, case, output } = self.interface;
         let find = |record: &Record, name: &str| (0..record.words()).find(|&word| record.word_name(word) == name);
         let (output_only, name) = match name.strip_prefix("out ") {
             Some(name) => (true, name.trim()),
             None => (false, name),
         };
-        let input = || find(invocation, name).map(Column::Invocation).or_else(|| find(case, name).map(Column::Case));
+        let input = || {
+            find(invocation, name).map(RecordColumn::Invocation).or_else(|| find(case, name).map(RecordColumn::Case))
+        };
         let found = if output_only { None } else { input() };
-        let found = found.or_else(|| find(output, name).map(Column::Output));
+        let found = found.or_else(|| find(output, name).map(RecordColumn::Output));
         if found.is_none() {
             let records: [&Record; 3] = [invocation, case, output];
             let names: Vec<String> =
@@ -181,13 +183,14 @@ impl Reading<'_> {
     }
 
     /// A whole variable by name, with the column of its first word.
-    fn field(&mut self, at: &str, name: &str) -> Option<(Field, Column)> {
+    fn field(&mut self, at: &str, name: &str) -> Option<(Field, RecordColumn)> {
         let Interface { invocation, case, output } = self.interface;
         let (output_only, name) = match name.strip_prefix("out ") {
             Some(name) => (true, name.trim()),
             None => (false, name),
         };
-        let sides: [Side<'_>; 3] = [(invocation, Column::Invocation), (case, Column::Case), (output, Column::Output)];
+        let sides: [Side<'_>; 3] =
+            [(invocation, RecordColumn::Invocation), (case, RecordColumn::Case), (output, RecordColumn::Output)];
         let found = sides.iter().skip(if output_only { 2 } else { 0 }).find_map(|(record, column)| {
             let index = record.index_of(name)?;
             Some((record.fields()[index].clone(), column(record.range(index).start)))
@@ -200,7 +203,7 @@ impl Reading<'_> {
         found
     }
 
-    fn twice(&mut self, columns: &[Column]) {
+    fn twice(&mut self, columns: &[RecordColumn]) {
         let twice = (1..columns.len()).find(|&k| columns[..k].contains(&columns[k]));
         if let Some(k) = twice {
             self.problem(format!("{}:1:1", self.file.name()), format!("column {} stands there twice", k + 1));
@@ -208,13 +211,13 @@ impl Reading<'_> {
     }
 
     /// A decimal number, or the bits of a word as `0x3f800000`.
-    fn number(&mut self, at: &str, cell: &str, column: Column) -> f64 {
+    fn number(&mut self, at: &str, cell: &str, column: RecordColumn) -> f64 {
         let bits = cell.strip_prefix("0x").map(|digits| u32::from_str_radix(digits, 16).ok());
         let Interface { invocation, case, output } = self.interface;
         let scalar = match column {
-            Column::Invocation(word) => invocation.scalar_of(word),
-            Column::Case(word) => case.scalar_of(word),
-            Column::Output(word) => output.scalar_of(word),
+            RecordColumn::Invocation(word) => invocation.scalar_of(word),
+            RecordColumn::Case(word) => case.scalar_of(word),
+            RecordColumn::Output(word) => output.scalar_of(word),
         };
         let value = match (bits, cell) {
             (Some(bits), _) => bits.map(|bits| property::decode(bits, scalar)),
@@ -229,13 +232,13 @@ impl Reading<'_> {
     }
 
     /// The outputs that the columns give; every input has to be there, and every component.
-    fn outputs(&mut self, columns: &[Column]) -> Vec<Field> {
+    fn outputs(&mut self, columns: &[RecordColumn]) -> Vec<Field> {
         if !self.problems.is_empty() {
             return Vec::new();
         }
         let Interface { invocation, case, output } = self.interface;
         let at = format!("{}:1:1", self.file.name());
-        let sides: [Side<'_>; 2] = [(invocation, Column::Invocation), (case, Column::Case)];
+        let sides: [Side<'_>; 2] = [(invocation, RecordColumn::Invocation), (case, RecordColumn::Case)];
         for (record, column) in sides {
             if let Some(word) = (0..record.words()).find(|&word| !columns.contains(&column(word))) {
                 self.problem(at.clone(), format!("the input `{}` is missing", record.word_name(word)));
@@ -244,7 +247,7 @@ impl Reading<'_> {
         let mut fields = Vec::new();
         for (k, field) in output.fields().iter().enumerate() {
             let missing: Vec<usize> =
-                output.range(k).filter(|&word| !columns.contains(&Column::Output(word))).collect();
+                output.range(k).filter(|&word| !columns.contains(&RecordColumn::Output(word))).collect();
             if missing.is_empty() {
                 fields.push(field.clone());
             } else if missing.len() < field.shape.words() {
@@ -260,11 +263,11 @@ impl Reading<'_> {
     }
 }
 
-fn shifted(first: Column, by: usize) -> Column {
+fn shifted(first: RecordColumn, by: usize) -> RecordColumn {
     match first {
-        Column::Invocation(word) => Column::Invocation(word + by),
-        Column::Case(word) => Column::Case(word + by),
-        Column::Output(word) => Column::Output(word + by),
+        RecordColumn::Invocation(word) => RecordColumn::Invocation(word + by),
+        RecordColumn::Case(word) => RecordColumn::Case(word + by),
+        RecordColumn::Output(word) => RecordColumn::Output(word + by),
     }
 }
 
@@ -310,7 +313,7 @@ fn flatten(value: &Value, words: &mut Vec<f64>) -> bool {
 fn row_of(
     recorded: &RecordedFile,
     interface: &Interface<'_>,
-    columns: &[Column],
+    columns: &[RecordColumn],
     outputs: &[Field],
     values: &[f64],
 ) -> RecordedRow {
@@ -324,11 +327,11 @@ fn row_of(
     let mut given = vec![f64::NAN; output.words()];
     for (&column, &value) in columns.iter().zip(values) {
         match column {
-            Column::Invocation(word) => {
+            RecordColumn::Invocation(word) => {
                 sample.invocation[word] = property::encode(value, invocation.scalar_of(word));
             }
-            Column::Case(word) => sample.case[word] = property::encode(value, case.scalar_of(word)),
-            Column::Output(word) => given[word] = value,
+            RecordColumn::Case(word) => sample.case[word] = property::encode(value, case.scalar_of(word)),
+            RecordColumn::Output(word) => given[word] = value,
         }
     }
     let (mut words, mut slack) = (Vec::new(), Vec::new());

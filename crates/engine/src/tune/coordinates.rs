@@ -19,7 +19,7 @@ const MOST: usize = 8;
 /// Inputs, parameters and local variables whose value goes to the coordinate of a texel as it is, or with something added:
 /// in a texture of 1024 texels it needs more digits than `mediump` has. `declared` are initialisers.
 pub fn coordinates(shader: &Shader, declared: &[(SymbolId, ExprId)]) -> BTreeSet<SymbolId> {
-    let mut finder = Finder { shader, given: HashMap::new(), found: BTreeSet::new() };
+    let mut finder = CoordinateFinder { shader, given: HashMap::new(), found: BTreeSet::new() };
     for (symbol, value) in declared {
         finder.given.entry(*symbol).or_default().push(*value);
     }
@@ -61,13 +61,13 @@ fn is_handed_on(shader: &Shader, symbol: SymbolId) -> bool {
     shape.words() > 1 && guess::of(&field, Role::Varying).taken_for == TEXTURE_COORDINATES
 }
 
-struct Finder<'s> {
+struct CoordinateFinder<'s> {
     shader: &'s Shader,
     given: HashMap<SymbolId, Vec<ExprId>>,
     found: BTreeSet<SymbolId>,
 }
 
-impl Finder<'_> {
+impl CoordinateFinder<'_> {
     /// True where the value has a term that varies from one pixel to the next, which is noted with what carries it.
     fn carries(&mut self, id: ExprId, depth: usize) -> bool {
         let shader = self.shader;

@@ -31,14 +31,14 @@ pub struct Declaration {
     pub sampler: bool,
     /// Where a word goes that states one: before the type, here and in each prototype.
     #[serde(skip)]
-    places: Vec<Place>,
+    places: Vec<DeclaredPlace>,
     /// What it declares.
     #[serde(skip)]
     symbols: Vec<SymbolId>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-struct Place {
+struct DeclaredPlace {
     stated: Option<Span>,
     before: usize,
 }
@@ -87,7 +87,7 @@ impl Declarations {
         let reached = shader.reachable(entry);
         let used = shader.used_by(&reached).into_iter().collect();
         let own = Self { all: Vec::new(), default: None, pinned: false };
-        let mut finder = Finder { shader, file, precisions, used, own, given: Vec::new() };
+        let mut finder = DeclarationFinder { shader, file, precisions, used, own, given: Vec::new() };
         finder.unit(&reached);
         let carried = coordinates(shader, &finder.given);
         for one in &mut finder.own.all {
@@ -159,7 +159,7 @@ fn applied(file: &SourceFile, edits: &EditList) -> SourceFile {
     SourceFile::new(file.name(), text)
 }
 
-impl Place {
+impl DeclaredPlace {
     fn edit(&self, precision: Precision) -> Edit {
         match self.stated {
             Some(span) => Edit::replace(span, word(precision)),
@@ -168,7 +168,7 @@ impl Place {
     }
 }
 
-struct Finder<'a> {
+struct DeclarationFinder<'a> {
     shader: &'a Shader,
     file: &'a SourceFile,
     precisions: &'a Precisions,
@@ -178,7 +178,7 @@ struct Finder<'a> {
     given: Vec<(SymbolId, ExprId)>,
 }
 
-impl Finder<'_> {
+impl DeclarationFinder<'_> {
     fn unit(&mut self, reached: &[FunctionId]) {
         let shader = self.shader;
         for item in &shader.unit().items {
@@ -315,7 +315,7 @@ impl Finder<'_> {
     }
 
     /// Where the precision of a declaration is written; none where that is in a macro or in another file.
-    fn place(&self, qualifiers: &Qualifiers, ty: &TypeSpecifier) -> Option<Place> {
+    fn place(&self, qualifiers: &Qualifiers, ty: &TypeSpecifier) -> Option<DeclaredPlace> {
         let own = |span: Span| own_span(self.shader, self.file, span);
         let (written, name) = (own(ty.name_span)?, named(ty)?);
         (self.file.slice(written) == name).then_some(())?;
@@ -323,7 +323,7 @@ impl Finder<'_> {
             Some((precision, span)) => Some(own(span).filter(|own| self.file.slice(*own) == word(precision))?),
             None => None,
         };
-        Some(Place { stated, before: written.start })
+        Some(DeclaredPlace { stated, before: written.start })
     }
 
     fn add(
@@ -334,7 +334,7 @@ impl Finder<'_> {
         of: Vec<(&Qualifiers, &TypeSpecifier)>,
         symbols: Vec<SymbolId>,
     ) {
-        let places: Option<Vec<Place>> = of.iter().map(|(qualifiers, ty)| self.place(qualifiers, ty)).collect();
+        let places: Option<Vec<DeclaredPlace>> = of.iter().map(|(qualifiers, ty)| self.place(qualifiers, ty)).collect();
         let Some(mut places) = places.filter(|places| !places.is_empty()) else {
             self.own.pinned = true;
             return;

@@ -24,7 +24,7 @@ pub enum Free {
 /// [`Free`] when any result is accepted.
 pub fn accept(profile: &Profile, op: Op, args: &[f64], stage: Stage) -> Result<Interval, Free> {
     let points: [Interval; 3] = std::array::from_fn(|k| Interval::point(args.get(k).copied().unwrap_or(f64::NAN)));
-    let scope = Scope { profile, stage };
+    let scope = AcceptedScope { profile, stage };
     let count = args.len().min(3);
     let mut accepted = scope.apply(op, &points[..count])?;
     // An argument that may be flushed may also be zero, and a zero that of the other sign; all combinations count.
@@ -61,7 +61,7 @@ pub fn accept_near(profile: &Profile, op: Op, args: &[f64], exact: f64, stage: S
     if exact.is_nan() {
         return Err(Free::OutsideDomain);
     }
-    Scope { profile, stage }.open(pieces, Interval::point(exact), points)
+    AcceptedScope { profile, stage }.open(pieces, Interval::point(exact), points)
 }
 
 /// An error that a profile accepts wherever it promises anything: a quick sieve before [`accept`].
@@ -137,12 +137,12 @@ pub fn may_promise(profile: &Profile, op: Op, range: Interval) -> bool {
     })
 }
 
-struct Scope<'a> {
+struct AcceptedScope<'a> {
     profile: &'a Profile,
     stage: Stage,
 }
 
-impl Scope<'_> {
+impl AcceptedScope<'_> {
     /// What an operation may give for arguments somewhere in a box.
     fn apply(&self, op: Op, args: &[Interval]) -> Result<Interval, Free> {
         let Entry::Promised(pieces) = self.profile.entry(op) else { return Err(Free::NoPromise) };

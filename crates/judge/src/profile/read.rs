@@ -23,7 +23,7 @@ pub struct ProfileError(pub Vec<String>);
 /// [`ProfileError`] with every problem: keys that are not known, rules that cannot be read,
 /// operations without an entry.
 pub fn parse(file: &SourceFile, base: &dyn Fn(&str) -> Option<Profile>) -> Result<Profile, ProfileError> {
-    let reader = Reader { problems: RefCell::default() };
+    let reader = ProfileReader { problems: RefCell::default() };
     let profile = match DeTable::parse(file.text()) {
         Ok(root) => reader.profile(root.get_ref(), base),
         Err(error) => {
@@ -38,7 +38,7 @@ pub fn parse(file: &SourceFile, base: &dyn Fn(&str) -> Option<Profile>) -> Resul
 }
 
 /// What was found wrong so far, by byte offset.
-struct Reader {
+struct ProfileReader {
     problems: RefCell<Vec<(usize, String)>>,
 }
 
@@ -58,7 +58,7 @@ const TOP: [&str; 11] = [
     "device",
 ];
 
-impl Reader {
+impl ProfileReader {
     fn problem(&self, offset: usize, message: impl Into<String>) {
         self.problems.borrow_mut().push((offset, message.into()));
     }

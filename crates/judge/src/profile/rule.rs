@@ -145,11 +145,15 @@ impl fmt::Display for Rule {
         match *self {
             Self::Exact => f.write_str("exact"),
             Self::Rounded => f.write_str("rounded"),
-            Self::Ulp { constant, slope: 0.0 } => write!(f, "ulp({})", Number(constant)),
-            Self::Ulp { constant, slope } => write!(f, "ulp({} + {}*|x|)", Number(constant), Number(slope)),
-            Self::Absolute(error) => write!(f, "abs({})", Number(error)),
+            Self::Ulp { constant, slope: 0.0 } => write!(f, "ulp({})", WrittenNumber(constant)),
+            Self::Ulp { constant, slope } => {
+                write!(f, "ulp({} + {}*|x|)", WrittenNumber(constant), WrittenNumber(slope))
+            }
+            Self::Absolute(error) => write!(f, "abs({})", WrittenNumber(error)),
             Self::Inherited { definition, or: 0.0 } => write!(f, "inherits({})", definition.text()),
-            Self::Inherited { definition, or } => write!(f, "abs({}) or inherits({})", Number(or), definition.text()),
+            Self::Inherited { definition, or } => {
+                write!(f, "abs({}) or inherits({})", WrittenNumber(or), definition.text())
+            }
             Self::NoPromise => f.write_str("none"),
         }
     }
@@ -206,9 +210,9 @@ impl Rule {
 }
 
 /// A number in the notation of profiles: powers of two as such.
-struct Number(f64);
+struct WrittenNumber(f64);
 
-impl fmt::Display for Number {
+impl fmt::Display for WrittenNumber {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let exponent = self.0.abs().log2();
         if exponent.fract() == 0.0 && exponent.abs() > 4.0 {
@@ -336,7 +340,7 @@ impl fmt::Display for Piece {
                 if x.abs() == std::f64::consts::PI {
                     format!("{}pi", if x < 0.0 { "-" } else { "" })
                 } else {
-                    Number(x).to_string()
+                    WrittenNumber(x).to_string()
                 }
             };
             write!(f, "{}{key} in {}..{}", if k == 0 { " for " } else { ", " }, end(lo), end(hi))?;

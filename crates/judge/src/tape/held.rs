@@ -9,7 +9,7 @@ use program::interp::Site;
 
 /// How many registers hold each node. Node 0 is what a register holds at the start, and stays.
 #[derive(Default)]
-pub(super) struct Held {
+pub(super) struct HeldNodes {
     counts: Vec<u32>,
     free: Vec<Id>,
     /// Nodes of the operation that goes on.
@@ -18,7 +18,7 @@ pub(super) struct Held {
     made: usize,
 }
 
-impl Held {
+impl HeldNodes {
     pub(super) fn begin(&mut self) {
         self.made = 0;
     }

@@ -11,7 +11,7 @@ use program::interp::SLOTS;
 pub(super) type Pair<'a> = (&'a Slots, &'a Slots);
 
 /// The columns of a new node.
-pub(super) struct Node<'a> {
+pub(super) struct KernelNode<'a> {
     pub value: &'a mut Slots,
     pub radius: &'a mut Slots,
     pub local: &'a mut Slots,
@@ -75,7 +75,7 @@ pub(super) fn rounded_sum(
     (y, ey): Pair<'_>,
     signs: (f64, f64),
     closing: Closing,
-    node: Node<'_>,
+    node: KernelNode<'_>,
 ) -> bool {
     rounded(closing, node, |slot| {
         let (x, y) = (signs.0 * x[slot], signs.1 * y[slot]);
@@ -86,9 +86,9 @@ pub(super) fn rounded_sum(
 
 /// The same for a product.
 #[inline(always)]
-pub(super) fn rounded_product((x, ex): Pair<'_>, (y, ey): Pair<'_>, closing: Closing, node: Node<'_>) -> bool {
-    let Node { value, radius, local } = node;
-    let again = Node { value, radius, local };
+pub(super) fn rounded_product((x, ex): Pair<'_>, (y, ey): Pair<'_>, closing: Closing, node: KernelNode<'_>) -> bool {
+    let KernelNode { value, radius, local } = node;
+    let again = KernelNode { value, radius, local };
     let tiny = rounded(closing, again, |slot| {
         (x[slot] * y[slot], 0.0, carried_by_product(x[slot], ex[slot], y[slot], ey[slot]))
     });
@@ -112,7 +112,11 @@ pub(super) fn carried_by_product(x: f64, ex: f64, y: f64, ey: f64) -> f64 {
 }
 
 #[inline(always)]
-fn rounded(closing: Closing, Node { value, radius, local }: Node<'_>, of: impl Fn(usize) -> (f64, f64, f64)) -> bool {
+fn rounded(
+    closing: Closing,
+    KernelNode { value, radius, local }: KernelNode<'_>,
+    of: impl Fn(usize) -> (f64, f64, f64),
+) -> bool {
     let mut tiny = 0_u64;
     for slot in 0..SLOTS {
         let (v, lost, e) = of(slot);

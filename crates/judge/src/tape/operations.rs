@@ -5,9 +5,9 @@ use super::arena::{Id, Meta, NodeKind, Slots};
 use super::columns::{WORTH_A_COLUMN, column1, column2};
 use super::functions::{Image1, Image2, image1, image2};
 use super::inherited::{at_zero, power, power_at_zero, root_by_inverse};
-use super::kernels::{self, Node, Out1, Out2, or_infinite, reach};
+use super::kernels::{self, KernelNode, Out1, Out2, or_infinite, reach};
 use super::model::Arg;
-use super::paths::Step;
+use super::paths::PathStep;
 use super::rounded::either_side;
 use crate::profile::grid::MIN_NORMAL;
 use crate::profile::{Definition, Op, Unlisted};
@@ -244,7 +244,7 @@ impl Tape<'_> {
             return id;
         }
         if let Some(closing) = self.model.closing(op, [left.tiny, right.tiny], self.arena.nodes[at].is_kept()) {
-            let node = Node { value, radius: carried, local: self.arena.local.get_mut(at) };
+            let node = KernelNode { value, radius: carried, local: self.arena.local.get_mut(at) };
             let tiny = number::wide(|| kernels::rounded_sum((x, ex), (y, ey), signs, closing, node));
             self.arena.nodes[at].tiny = tiny;
             self.settle(id);
@@ -278,7 +278,7 @@ impl Tape<'_> {
         let (x, y) = (before.get(a as usize), before.get(b as usize));
         let (ex, ey) = (radii.get(a as usize), radii.get(b as usize));
         if let Some(closing) = self.model.closing(op, tiny, self.arena.nodes[at].is_kept()) {
-            let node = Node { value, radius: carried, local: self.arena.local.get_mut(at) };
+            let node = KernelNode { value, radius: carried, local: self.arena.local.get_mut(at) };
             let tiny = number::wide(|| kernels::rounded_product((x, ex), (y, ey), closing, node));
             self.arena.nodes[at].tiny = tiny;
             self.settle(id);
@@ -360,7 +360,7 @@ impl Tape<'_> {
             });
         }
         let (slope, bend) = self.arena.partials.pair_mut(2 * partial as usize);
-        for Step { slot, value: side, moves, slope: steep } in steps {
+        for PathStep { slot, value: side, moves, slope: steep } in steps {
             (value[slot], carried[slot], slope[slot], bend[slot]) = (side, moves, steep, 0.0);
         }
         let args = [Arg { value: x, radius: ex }];
@@ -419,7 +419,7 @@ impl Tape<'_> {
         let args = [Arg { value: x, radius: ex }, Arg { value: y, radius: ey }];
         let local = self.arena.local.get_mut(at);
         let [sx, bx, sy, by] = self.arena.partials.quad_mut(2 * partials[0] as usize);
-        for Step { slot, value: side, moves, slope } in steps {
+        for PathStep { slot, value: side, moves, slope } in steps {
             (value[slot], carried[slot]) = (side, moves);
             (sx[slot], sy[slot], bx[slot], by[slot]) = (slope, slope, 0.0, 0.0);
         }

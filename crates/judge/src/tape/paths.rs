@@ -88,7 +88,7 @@ impl Tape<'_> {
 
     /// Values of a function with steps in slots that follow a path and come out on either side of one, with the movement that
     /// is left. Slots that are not followed are left out.
-    pub(super) fn steps(&mut self, (site, op): (Site, Op), active: &Mask, a: Id, flushes: bool) -> Vec<Step> {
+    pub(super) fn steps(&mut self, (site, op): (Site, Op), active: &Mask, a: Id, flushes: bool) -> Vec<PathStep> {
         if self.paths.is_none() || !has_steps(op) || op == Op::Step {
             return Vec::new();
         }
@@ -104,14 +104,14 @@ impl Tape<'_> {
             let Some(sides) = sides_of_step(op, x, e) else { continue };
             if let Some(side) = self.choose(slot, sides.len()) {
                 let (moves, slope) = if op == Op::Fract { (e, 1.0) } else { (0.0, 0.0) };
-                all.push(Step { slot, value: sides[side.min(sides.len() - 1)], moves, slope });
+                all.push(PathStep { slot, value: sides[side.min(sides.len() - 1)], moves, slope });
             }
         }
         all
     }
 
     /// The same for the step from 0 to 1 at an edge.
-    pub(super) fn edge(&mut self, op: Op, active: &Mask, [a, b]: [Id; 2], flushes: [bool; 2]) -> Vec<Step> {
+    pub(super) fn edge(&mut self, op: Op, active: &Mask, [a, b]: [Id; 2], flushes: [bool; 2]) -> Vec<PathStep> {
         if self.paths.is_none() || op != Op::Step {
             return Vec::new();
         }
@@ -126,7 +126,7 @@ impl Tape<'_> {
             }
             if let Some(side) = self.choose(slot, 2) {
                 let value = if side == 0 { image.value } else { 1.0 - image.value };
-                all.push(Step { slot, value, moves: 0.0, slope: 0.0 });
+                all.push(PathStep { slot, value, moves: 0.0, slope: 0.0 });
             }
         }
         all
@@ -134,7 +134,7 @@ impl Tape<'_> {
 }
 
 /// A function with steps on one side of them.
-pub(super) struct Step {
+pub(super) struct PathStep {
     pub slot: usize,
     pub value: f64,
     /// How far it may be from that, and its slope.

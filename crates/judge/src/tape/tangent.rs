@@ -6,7 +6,7 @@
 //! its operation has from those before it.
 
 use super::arena::{Arena, Id, NodeKind, Pool, Slots};
-use super::held::Held;
+use super::held::HeldNodes;
 use super::sweep::partials;
 use super::{Column, Model, Tape};
 use crate::profile::Allowed;
@@ -25,15 +25,15 @@ pub(super) struct Tangents {
     /// For each node, whether it moves in any slot.
     moves: Vec<bool>,
     /// For each node, the slots in which nothing bounds it.
-    open: Vec<Open>,
-    pub(super) held: Held,
+    open: Vec<OpenSlots>,
+    pub(super) held: HeldNodes,
     /// Radii alone are wanted, and no displacements.
     still: bool,
 }
 
 /// Slots in which nothing bounds a node.
 #[derive(Clone, Copy, Default)]
-struct Open {
+struct OpenSlots {
     all: Mask,
     /// Those in which nothing is promised for an operation.
     unpromised: Mask,
@@ -185,16 +185,16 @@ impl Tape<'_> {
         let (moves, open) = (tangents.follow(&self.arena, self.model.is_rearranged(), id), self.open_at(&tangents, id));
         let nodes = self.arena.nodes.len();
         tangents.moves.resize(nodes, false);
-        tangents.open.resize(nodes, Open::default());
+        tangents.open.resize(nodes, OpenSlots::default());
         (tangents.moves[id as usize], tangents.open[id as usize]) = (moves, open);
         self.tangents = Some(tangents);
     }
 
     /// What is open of a new node.
-    fn open_at(&self, tangents: &Tangents, id: Id) -> Open {
+    fn open_at(&self, tangents: &Tangents, id: Id) -> OpenSlots {
         let args: [Option<(Id, Mask)>; 2] = match self.arena.nodes[id as usize].kind {
             // Inputs and constants are known.
-            NodeKind::Leaf => return Open::default(),
+            NodeKind::Leaf => return OpenSlots::default(),
             NodeKind::Sum { a, signs: (_, 0.0), .. } | NodeKind::One { a, .. } => [Some((a, Mask::ALL)), None],
             NodeKind::Sum { a, b, .. } | NodeKind::Product { a, b } | NodeKind::Two { a, b, .. } => {
                 [Some((a, Mask::ALL)), Some((b, Mask::ALL))]
@@ -206,7 +206,7 @@ impl Tape<'_> {
         };
         let all = not_finite(self.arena.radius.get(id as usize));
         if all.is_empty() {
-            return Open::default();
+            return OpenSlots::default();
         }
         let args = || args.into_iter().flatten();
         let lost = |id: Id| not_finite(self.arena.value.get(id as usize));
@@ -224,7 +224,7 @@ impl Tape<'_> {
                 unpromised.insert(slot);
             }
         });
-        Open { all, unpromised }
+        OpenSlots { all, unpromised }
     }
 
     /// True when nothing is promised for the operation of a node at its exact arguments.

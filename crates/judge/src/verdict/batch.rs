@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::first_look::{self, Values, look};
+use super::first_look::{self, ColumnValues, look};
 use super::fit::{far_apart, unfit};
 use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Verdict};
 use super::oracle::JudgeContext;
@@ -423,7 +423,13 @@ struct Chunk<'c, 'a> {
 }
 
 impl Chunk<'_, '_> {
-    fn judge<D: Values>(&mut self, machine: &Machine<'_, D>, batch: &Batch, actual: &Actual, invocations: &[usize]) {
+    fn judge<D: ColumnValues>(
+        &mut self,
+        machine: &Machine<'_, D>,
+        batch: &Batch,
+        actual: &Actual,
+        invocations: &[usize],
+    ) {
         let reference = self.context.reference;
         let seen = look(machine, actual, invocations, true);
         let mut undefined = undefined_slots(machine);

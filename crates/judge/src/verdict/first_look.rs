@@ -20,7 +20,7 @@ use program::lane::Actual;
 const NEAREST: f64 = 0.499_999;
 
 /// A domain whose values are real numbers.
-pub(super) trait Values: Domain {
+pub(super) trait ColumnValues: Domain {
     /// The numbers of a column.
     fn values<'c>(&'c self, column: &'c Self::Column) -> &'c [f64; SLOTS];
 
@@ -37,13 +37,13 @@ pub(super) trait Values: Domain {
     }
 }
 
-impl Values for Binary64 {
+impl ColumnValues for Binary64 {
     fn values<'c>(&'c self, column: &'c Self::Column) -> &'c [f64; SLOTS] {
         column.values()
     }
 }
 
-impl Values for Tape<'_> {
+impl ColumnValues for Tape<'_> {
     fn values<'c>(&'c self, column: &'c Column) -> &'c [f64; SLOTS] {
         Tape::values(self, *column)
     }
@@ -71,7 +71,12 @@ pub(super) struct Look {
 
 /// Looks at the words of a lane for the invocations that a machine ran. `nearest` words are right, whatever is promised;
 /// without it only those that are what the shader means.
-pub(super) fn look<D: Values>(machine: &Machine<'_, D>, actual: &Actual, invocations: &[usize], nearest: bool) -> Look {
+pub(super) fn look<D: ColumnValues>(
+    machine: &Machine<'_, D>,
+    actual: &Actual,
+    invocations: &[usize],
+    nearest: bool,
+) -> Look {
     let slots = invocations.len();
     let mut look = Look {
         right: Mask::first(slots),
@@ -126,7 +131,7 @@ impl Look {
         self.nearest = self.nearest.and(nearest);
     }
 
-    fn word<D: Values>(
+    fn word<D: ColumnValues>(
         &mut self,
         machine: &Machine<'_, D>,
         column: &OutputColumn<'_, D::Column>,
@@ -174,7 +179,7 @@ impl Look {
     /// Raises `most` to the largest error of some slots in ULP: of the largest component of the variable, and where a word
     /// is not the nearest, of the vectors among the inputs as well. Gives the slots whose error counts unless their value
     /// has faded out, which this look does not know.
-    pub(super) fn raise<D: Values>(
+    pub(super) fn raise<D: ColumnValues>(
         &self,
         most: &mut f64,
         which: Mask,
@@ -202,7 +207,7 @@ impl Look {
 
 /// The largest error of a slot, in ULP of the largest component of each variable and of the vectors among the inputs, if it
 /// is more than `most`. `None` where that depends on whether a value has faded out.
-fn largest<D: Values>(
+fn largest<D: ColumnValues>(
     machine: &Machine<'_, D>,
     reference: &Reference,
     (batch, actual, invocation): (&Batch, &Actual, usize),

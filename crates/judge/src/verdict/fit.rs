@@ -1,6 +1,6 @@
 //! Whether a shader means what its formula says, by the first look at a chunk of samples.
 
-use super::first_look::Values;
+use super::first_look::ColumnValues;
 use super::oracle::JudgeContext;
 use super::reference::{Evaluator, Expected, Reference};
 use base::value::{Batch, Scalar};
@@ -14,7 +14,7 @@ pub(super) const NEAR: f64 = 1.0 / (1_u64 << 40) as f64;
 const APART: f64 = 1.0 / (1 << 16) as f64;
 
 /// The slots in which the module means something else than what the author wrote.
-pub(super) fn far_apart<D: Values>(meaning: &Machine<'_, D>, ideal: &Machine<'_, Binary64>) -> Mask {
+pub(super) fn far_apart<D: ColumnValues>(meaning: &Machine<'_, D>, ideal: &Machine<'_, Binary64>) -> Mask {
     let mut apart = Mask::where_(|slot| meaning.emitted()[slot] != ideal.emitted()[slot]);
     for vertex in 0..meaning.room() {
         for word in 0..meaning.width() {
@@ -39,15 +39,15 @@ pub(super) fn far_apart<D: Values>(meaning: &Machine<'_, D>, ideal: &Machine<'_,
 }
 
 /// The columns of the outputs that the formula gives: by vertex, then by word of the formula.
-fn columns<'m, D: Values>(machine: &'m Machine<'_, D>, reference: &Reference) -> Vec<Words<'m>> {
+fn columns<'m, D: ColumnValues>(machine: &'m Machine<'_, D>, reference: &Reference) -> Vec<ColumnWords<'m>> {
     let room = machine.room();
     let mut columns = Vec::with_capacity(room * reference.vertex_words);
     for vertex in 0..room {
         for output in &reference.outputs {
             for word in output.actual.clone() {
                 columns.push(match machine.output(vertex, word) {
-                    OutputColumn::Real(column) => Words::Real(machine.as_domain().values(column)),
-                    OutputColumn::Word(words) => Words::Exact(words, output.scalar),
+                    OutputColumn::Real(column) => ColumnWords::Real(machine.as_domain().values(column)),
+                    OutputColumn::Word(words) => ColumnWords::Exact(words, output.scalar),
                 });
             }
         }
@@ -55,12 +55,12 @@ fn columns<'m, D: Values>(machine: &'m Machine<'_, D>, reference: &Reference) ->
     columns
 }
 
-enum Words<'m> {
+enum ColumnWords<'m> {
     Real(&'m [f64; SLOTS]),
     Exact(&'m [u32; SLOTS], Scalar),
 }
 
-impl Words<'_> {
+impl ColumnWords<'_> {
     #[inline]
     fn at(&self, slot: usize) -> f64 {
         match self {
@@ -71,7 +71,7 @@ impl Words<'_> {
 }
 
 /// The slots in which the shader may not mean what the formula says, by the first look.
-pub(super) fn unfit<D: Values>(
+pub(super) fn unfit<D: ColumnValues>(
     ideal: &Machine<'_, D>,
     reference: &Reference,
     (evaluator, expected): (&mut Evaluator<'_>, &mut Expected),
@@ -107,7 +107,7 @@ pub(super) fn open_samples(
 /// True when the shader ends, emits what the formula emits, and means what it says, by the first look.
 fn fits<D: Domain>(
     machine: &Machine<'_, D>,
-    columns: &[Words<'_>],
+    columns: &[ColumnWords<'_>],
     reference: &Reference,
     expected: &Expected,
     slot: usize,
@@ -137,7 +137,7 @@ pub(super) fn same_shape<D: Domain>(
 }
 
 /// True when the shader means what the formula says, by the first look.
-fn means(columns: &[Words<'_>], reference: &Reference, expected: &Expected, slot: usize) -> bool {
+fn means(columns: &[ColumnWords<'_>], reference: &Reference, expected: &Expected, slot: usize) -> bool {
     let vertices = expected.words.len() / reference.vertex_words.max(1);
     for vertex in 0..vertices {
         let base = vertex * reference.vertex_words;

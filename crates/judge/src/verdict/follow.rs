@@ -13,7 +13,7 @@ use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Verdict, What};
 use super::oracle::JudgeContext;
 use super::reference::{Expected, Reference};
 use super::shape::{shape_of_lane, shape_of_shader};
-use super::words::{Aim, Known, Standing, Told, Word, open_words, told, word_of_shader};
+use super::words::{Aim, SampleVerdict, SlotsToJudge, Told, WordOfSample, open_words, told, word_of_shader};
 use crate::tape::{Path, Tape};
 use base::value::Batch;
 use program::OutputLayout;
@@ -147,13 +147,13 @@ impl Best {
     }
 
     /// What all words say of the sample.
-    fn standing(self, blame: Blame, promise: Promise) -> Standing {
+    fn standing(self, blame: Blame, promise: Promise) -> SampleVerdict {
         if !self.fits
             && let Some(shape) = self.shape
         {
-            return Standing::new(Verdict::Deviate(shape));
+            return SampleVerdict::new(Verdict::Deviate(shape));
         }
-        let mut standing = Standing::new(Verdict::Agree(promise));
+        let mut standing = SampleVerdict::new(Verdict::Agree(promise));
         self.words.into_iter().flatten().for_each(|told| standing.tell(told, blame));
         standing
     }
@@ -191,7 +191,7 @@ pub(super) fn lane<'a>(
     promise: Promise,
     (batch, actual): (&Batch, &Actual),
     invocations: &[usize],
-) -> Vec<Option<Standing>> {
+) -> Vec<Option<SampleVerdict>> {
     let mut best: Vec<Best> = invocations.iter().map(|_| Best::default()).collect();
     let vectors: Vec<f64> = invocations.iter().map(|&invocation| reference.vector_size(batch, invocation)).collect();
     let record = actual.layout().vertex.clone();
@@ -216,7 +216,7 @@ pub(super) fn lane<'a>(
                 let scale = scales(machine, vertex, record.range(field));
                 for word in record.range(field) {
                     let slots: Vec<usize> = open.iter().map(|(slot, _)| *slot).collect();
-                    let known = Known { open: &slots, decided: &[true; SLOTS], doubted: &[false; SLOTS] };
+                    let known = SlotsToJudge { open: &slots, decided: &[true; SLOTS], doubted: &[false; SLOTS] };
                     let outcomes = open_words(machine, actual, run, &known, (vertex, word));
                     for ((slot, outcome, error), &(_, sample)) in outcomes.into_iter().zip(&open) {
                         let sizes = (scale[slot], scale[slot].max(vectors[sample]));
@@ -303,7 +303,7 @@ pub(super) fn shader<'a>(
                                 None => Told::Right { ulp: 0.0, faded: false },
                                 Some((_, Err(doubt))) => Told::Open(doubt),
                                 Some((_, Ok(meant))) => {
-                                    let word = Word { layout, actual, reference, output, vertex, word };
+                                    let word = WordOfSample { layout, actual, reference, output, vertex, word };
                                     Told::Wrong(word.what(meant, target(slot), run[slot]))
                                 }
                             };

@@ -14,14 +14,14 @@ use program::interp::group::Ran;
 
 /// A domain: whose errors count, and what stands for the literals.
 #[derive(Clone, Copy)]
-struct Domain<'a> {
+struct PassDomain<'a> {
     model: Model<'a>,
     literals: &'a [Option<Literal>],
     /// A device that rounds to nearest is known to the bit.
     bracketed: bool,
 }
 
-impl Domain<'_> {
+impl PassDomain<'_> {
     fn is(&self, other: &Self) -> bool {
         let same = match (self.model, other.model) {
             (Model::Binary64, Model::Binary64) => true,
@@ -39,7 +39,7 @@ impl Domain<'_> {
 pub struct Passes<'a> {
     context: JudgeContext<'a>,
     batch: &'a Batch,
-    ran: Mutex<Vec<(Domain<'a>, Arc<Ran<Cell>>)>>,
+    ran: Mutex<Vec<(PassDomain<'a>, Arc<Ran<Cell>>)>>,
 }
 
 impl<'a> Passes<'a> {
@@ -68,26 +68,26 @@ impl<'a> Passes<'a> {
     /// # Errors
     /// As of [`Executable::run_whole`](program::interp::Executable::run_whole), here and below.
     pub(super) fn device(&self, model: Model<'a>) -> Result<Arc<Ran<Cell>>, InterpError> {
-        self.ask(Domain { model, literals: self.context.oracle.folded(), bracketed: true })
+        self.ask(PassDomain { model, literals: self.context.oracle.folded(), bracketed: true })
     }
 
     /// How far a device may be off at the most, where the rounding of a literal counts as an error of its own: inputs that are
     /// related were rounded as well, and the luck of one of them is none of another.
     pub(super) fn authored(&self, model: Model<'a>) -> Result<Arc<Ran<Cell>>, InterpError> {
-        self.ask(Domain { model, literals: self.context.oracle.rounded(), bracketed: false })
+        self.ask(PassDomain { model, literals: self.context.oracle.rounded(), bracketed: false })
     }
 
     /// The same for a device that had the literals exactly.
     pub(super) fn ideal_device(&self, model: Model<'a>) -> Result<Arc<Ran<Cell>>, InterpError> {
-        self.ask(Domain { model, literals: self.context.oracle.written(), bracketed: false })
+        self.ask(PassDomain { model, literals: self.context.oracle.written(), bracketed: false })
     }
 
     /// What the author wrote, with how far binary64 is from it.
     pub(super) fn ideal(&self) -> Result<Arc<Ran<Cell>>, InterpError> {
-        self.ask(Domain { model: Model::Binary64, literals: self.context.oracle.written(), bracketed: false })
+        self.ask(PassDomain { model: Model::Binary64, literals: self.context.oracle.written(), bracketed: false })
     }
 
-    fn ask(&self, domain: Domain<'a>) -> Result<Arc<Ran<Cell>>, InterpError> {
+    fn ask(&self, domain: PassDomain<'a>) -> Result<Arc<Ran<Cell>>, InterpError> {
         let oracle = self.context.oracle;
         let integers = !oracle.executable().has_reals();
         let known = {
@@ -97,7 +97,7 @@ impl<'a> Passes<'a> {
         if let Some(known) = known {
             return Ok(known);
         }
-        let Domain { model, literals, bracketed } = domain;
+        let PassDomain { model, literals, bracketed } = domain;
         let new = Arc::new(oracle.whole((model, literals), bracketed, self.batch, 0)?);
         self.ran.lock().unwrap_or_else(PoisonError::into_inner).push((domain, Arc::clone(&new)));
         Ok(new)

@@ -39,12 +39,12 @@ impl Reading {
 }
 
 /// A reading with what it takes to judge by it.
-pub(super) struct Reader<'a> {
+pub(super) struct LiteralReader<'a> {
     reading: &'a Reading,
     open: Box<SecondPass<'a>>,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> LiteralReader<'a> {
     /// For all readings of a context's program.
     pub(super) fn all(context: &JudgeContext<'a>) -> Vec<Self> {
         let oracle: &'a Oracle = context.oracle;

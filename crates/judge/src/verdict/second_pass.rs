@@ -7,10 +7,10 @@ use super::follow::{self, scales};
 use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Verdict, What};
 use super::open::{cut, fork};
 use super::oracle::JudgeContext;
-use super::reading::{Reader, may_be_read};
+use super::reading::{LiteralReader, may_be_read};
 use super::reference::{Evaluator, Expected};
 use super::shape::{shape_of_lane, shape_of_shader};
-use super::words::{Aim, Known, Standing, Word, open_words, told, word_of_shader};
+use super::words::{Aim, SampleVerdict, SlotsToJudge, WordOfSample, open_words, told, word_of_shader};
 use crate::tape::{Model, Tape};
 use base::value::Batch;
 use program::OutputLayout;
@@ -38,7 +38,7 @@ pub(super) struct SecondPass<'a> {
     /// Invocations in which a comparison could go either way in the order of the source.
     forked: HashSet<usize>,
     /// The shader with the constants that its literals stand for.
-    readers: Vec<Reader<'a>>,
+    readers: Vec<LiteralReader<'a>>,
     /// Invocations that are right in one of these readings alone.
     reread: u64,
     /// Invocations that agree beside the value at the start of what has faded out in them.
@@ -62,7 +62,7 @@ impl<'a> SecondPass<'a> {
             evaluator: Evaluator::bounded(context.reference),
             max_ulp: 0.0,
             forked: HashSet::new(),
-            readers: Reader::all(context),
+            readers: LiteralReader::all(context),
             reread: 0,
             faded: HashSet::new(),
         }
@@ -268,7 +268,7 @@ impl<'a> SecondPass<'a> {
                         let verdict = match verdict {
                             Err(doubt) => Verdict::Undetermined(doubt),
                             Ok(meant) => {
-                                let word = Word { layout, actual, reference, output, vertex, word };
+                                let word = WordOfSample { layout, actual, reference, output, vertex, word };
                                 let what = word.what(meant, target(slot), invocations[slot]);
                                 Verdict::Deviate(Deviation { blame: Blame::Shader, what })
                             }
@@ -347,9 +347,9 @@ impl<'a> SecondPass<'a> {
         let decided: Vec<bool> = invocations.iter().map(|i| regrouped && !forked.contains(i)).collect();
         let begin = |slot: usize| {
             let verdict = by_shape(machine, actual, invocations[slot], slot, decided[slot]);
-            Standing::new(verdict.unwrap_or(Verdict::Agree(*promise)))
+            SampleVerdict::new(verdict.unwrap_or(Verdict::Agree(*promise)))
         };
-        let mut standings: Vec<Standing> = (0..slots).map(begin).collect();
+        let mut standings: Vec<SampleVerdict> = (0..slots).map(begin).collect();
         let sizes: Vec<f64> = invocations.iter().map(|&i| context.reference.vector_size(batch, i)).collect();
         by_words(machine, actual, invocations, (&decided, &sizes), &mut standings);
         let open = |slot: &usize| match &standings[*slot].verdict {
@@ -404,7 +404,7 @@ fn by_words(
     actual: &Actual,
     invocations: &[usize],
     (decided, sizes): (&[bool], &[f64]),
-    standings: &mut [Standing],
+    standings: &mut [SampleVerdict],
 ) {
     let record = actual.layout().vertex.clone();
     let known: Vec<bool> = (0..standings.len()).map(|slot| machine.domain().given_up(slot).is_none()).collect();
@@ -421,7 +421,7 @@ fn by_words(
             for &slot in &open {
                 doubted[slot] = matches!(standings[slot].verdict, Verdict::Undetermined(_));
             }
-            let known = Known { open: &open, decided, doubted: &doubted };
+            let known = SlotsToJudge { open: &open, decided, doubted: &doubted };
             for (slot, outcome, error) in open_words(machine, actual, invocations, &known, (vertex, word)) {
                 let sizes = (scale[slot], scale[slot].max(sizes[slot]));
                 let known = (outcome, error, doubted[slot]);

@@ -60,7 +60,7 @@ fn one(passes: &Passes<'_>, actual: &Actual, share: f64) -> Result<(Verdict, f64
     if !device.whole {
         return Ok((Verdict::Undetermined(Doubt::of(Reason::LongLoop)), 0.0));
     }
-    let words = Words { context, actual };
+    let words = WordsOfWhole { context, actual };
     let against = match words.is_expected(&device, &expected, batch)? {
         true => Looked { open: vec![None; device.words.len()], ..Looked::default() },
         false => {
@@ -108,7 +108,7 @@ struct Looked {
 }
 
 /// The words of a dispatch.
-struct Words<'a> {
+struct WordsOfWhole<'a> {
     context: &'a JudgeContext<'a>,
     actual: &'a Actual,
 }
@@ -118,7 +118,7 @@ fn scale(values: impl Iterator<Item = f64>) -> f64 {
     values.map(f64::abs).filter(|size| size.is_finite()).fold(0.0, f64::max)
 }
 
-impl Words<'_> {
+impl WordsOfWhole<'_> {
     /// A first look: whether all that the shader means is what is expected, to within the rounding of binary64.
     fn is_expected(&self, device: &Ran<Cell>, expected: &Expected, batch: &Batch) -> Result<bool, InterpError> {
         if expected.words.is_empty() {

@@ -3,7 +3,7 @@
 use super::fit::NEAR;
 use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees, real};
 use super::open::{fades, fork, underflow};
-use super::reference::{Output, Reference};
+use super::reference::{JudgedOutput, Reference};
 use super::second_pass::{TWO_WAYS, USELESS, USELESS_64};
 use crate::profile::grid::MIN_NORMAL;
 use crate::tape::{FADED, Tape};
@@ -25,7 +25,7 @@ pub(super) enum Told {
 
 /// The verdict on a sample by those of its words that were judged.
 #[derive(Clone, Debug)]
-pub(super) struct Standing {
+pub(super) struct SampleVerdict {
     pub verdict: Verdict,
     /// The largest error of words that are right, in ULP.
     pub ulp: f64,
@@ -33,7 +33,7 @@ pub(super) struct Standing {
     pub faded: bool,
 }
 
-impl Standing {
+impl SampleVerdict {
     pub fn new(verdict: Verdict) -> Self {
         Self { verdict, ulp: 0.0, faded: false }
     }
@@ -112,7 +112,7 @@ pub(super) enum Allowed {
 }
 
 /// Slots of a chunk about which something is known.
-pub(super) struct Known<'k> {
+pub(super) struct SlotsToJudge<'k> {
     /// Those to judge.
     pub open: &'k [usize],
     /// Those in which no comparison is in doubt.
@@ -126,7 +126,7 @@ pub(super) fn open_words(
     machine: &mut Machine<'_, Tape<'_>>,
     actual: &Actual,
     invocations: &[usize],
-    &Known { open, decided, doubted }: &Known<'_>,
+    &SlotsToJudge { open, decided, doubted }: &SlotsToJudge<'_>,
     (vertex, word): (usize, usize),
 ) -> Vec<(usize, Allowed, f64)> {
     let found = |slot: usize| actual.vertex(invocations[slot], vertex)[word];
@@ -199,7 +199,7 @@ pub(super) struct Aim<'t> {
 pub(super) fn word_of_shader(
     machine: &mut Machine<'_, Tape<'_>>,
     (vertex, word): (usize, usize),
-    output: &Output,
+    output: &JudgedOutput,
     open: &[usize],
     &Aim { target, slack, scales }: &Aim<'_>,
 ) -> Vec<Reevaluated> {
@@ -268,16 +268,16 @@ pub(super) fn word_of_shader(
 }
 
 /// A word of a shader, with what a report shows of it.
-pub(super) struct Word<'w> {
+pub(super) struct WordOfSample<'w> {
     pub layout: &'w OutputLayout,
     pub actual: Option<&'w Actual>,
     pub reference: &'w Reference,
-    pub output: &'w Output,
+    pub output: &'w JudgedOutput,
     pub vertex: usize,
     pub word: usize,
 }
 
-impl Word<'_> {
+impl WordOfSample<'_> {
     /// What is wrong with it: the meaning and what binary64 allows, beside what is expected of an invocation.
     pub fn what(&self, (meaning, bound): (Option<f64>, f64), expected: Option<f64>, invocation: usize) -> What {
         let Self { layout, actual, reference, output, vertex, word } = *self;

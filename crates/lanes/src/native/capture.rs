@@ -63,7 +63,7 @@ pub(super) struct Capture {
 
 /// The module with what captures it.
 pub(super) fn insert(words: &[u32], reflection: &Reflection, capture: &Capture) -> Vec<u32> {
-    let mut pass = Pass {
+    let mut pass = CapturePass {
         out: words[..HEADER].to_vec(),
         next: words[3],
         known: HashMap::new(),
@@ -135,7 +135,7 @@ struct Mark {
     shift: u32,
 }
 
-struct Pass<'a> {
+struct CapturePass<'a> {
     out: Vec<u32>,
     next: u32,
     /// Declarations that may stand once, with their ids.
@@ -146,7 +146,7 @@ struct Pass<'a> {
     decorated: bool,
 }
 
-impl Pass<'_> {
+impl CapturePass<'_> {
     fn id(&mut self) -> u32 {
         self.next += 1;
         self.next - 1

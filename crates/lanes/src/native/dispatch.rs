@@ -9,7 +9,7 @@ use ::spirv::{Decoration, StorageClass};
 use ash::vk;
 
 use super::Job;
-use super::gpu::{Buffer, Gpu};
+use super::gpu::{Gpu, GpuBuffer};
 use super::spirv::{Reflection, Type, Variable};
 use crate::{Actual, LaneError, Marks, Runner, buffers};
 use base::value::Batch;
@@ -22,7 +22,7 @@ pub(super) struct DispatchRunner {
     gpu: Rc<Gpu>,
     layout: OutputLayout,
     groups: [u32; 3],
-    buffers: Vec<(BoundBuffer, Buffer)>,
+    buffers: Vec<(BoundBuffer, GpuBuffer)>,
     set_layouts: Vec<vk::DescriptorSetLayout>,
     pool: vk::DescriptorPool,
     sets: Vec<vk::DescriptorSet>,
@@ -69,7 +69,7 @@ impl DispatchRunner {
                 true => vk::BufferUsageFlags::UNIFORM_BUFFER,
                 false => vk::BufferUsageFlags::STORAGE_BUFFER,
             };
-            this.buffers.push((about.clone(), Buffer::new(gpu, buffers::words(about), usage)?));
+            this.buffers.push((about.clone(), GpuBuffer::new(gpu, buffers::words(about), usage)?));
         }
         this.describe()?;
         this.compile(&job.module)?;
@@ -82,7 +82,7 @@ impl DispatchRunner {
         let sets = self.buffers.iter().map(|(about, _)| about.group + 1).max().unwrap_or(0);
         for set in 0..sets {
             let own = self.buffers.iter().filter(|(about, _)| about.group == set);
-            let binding = |(about, _): &(BoundBuffer, Buffer)| {
+            let binding = |(about, _): &(BoundBuffer, GpuBuffer)| {
                 let at = vk::DescriptorSetLayoutBinding::default().binding(about.binding).descriptor_count(1);
                 at.descriptor_type(kind(about)).stage_flags(vk::ShaderStageFlags::COMPUTE)
             };

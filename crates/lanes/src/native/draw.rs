@@ -7,8 +7,8 @@ use std::rc::Rc;
 use ash::vk;
 
 use super::capture::Feed;
-use super::gpu::{Buffer, Gpu};
-use super::interface::Block;
+use super::gpu::{Gpu, GpuBuffer};
+use super::interface::DescriptorBlock;
 use crate::LaneError;
 use base::value::Batch;
 
@@ -17,7 +17,7 @@ pub(super) type Module<'a> = (vk::ShaderStageFlags, &'a [u32]);
 
 /// A vertex attribute: its location and format. Attributes stand side by side in a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Attribute {
+pub(super) struct DrawAttribute {
     pub location: u32,
     pub format: vk::Format,
     pub words: u32,
@@ -25,10 +25,10 @@ pub(super) struct Attribute {
 
 /// What is common to all passes of a kernel.
 pub(super) struct Setting<'a> {
-    pub attributes: &'a [Attribute],
+    pub attributes: &'a [DrawAttribute],
     pub topology: vk::PrimitiveTopology,
     /// Uniform blocks of the stage under test.
-    pub blocks: Vec<Block>,
+    pub blocks: Vec<DescriptorBlock>,
     pub feed: Feed,
     pub stage: vk::ShaderStageFlags,
     /// Most vertices, and most cases, of a batch.
@@ -60,21 +60,21 @@ pub(super) struct Drawn {
 
 /// What a device says of the primitives of a draw.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Counts {
+pub(super) struct PrimitiveCounts {
     pub written: u64,
     pub needed: u64,
 }
 
 struct Uniforms {
-    block: Block,
-    buffer: Buffer,
+    block: DescriptorBlock,
+    buffer: GpuBuffer,
     /// Distance between the blocks of neighbouring cases, in words.
     stride: usize,
 }
 
 struct Pipeline {
     handle: vk::Pipeline,
-    captured: Buffer,
+    captured: GpuBuffer,
     words: usize,
     queries: vk::QueryPool,
     counted: usize,
@@ -84,7 +84,7 @@ struct Pipeline {
 pub(super) struct Draws {
     gpu: Rc<Gpu>,
     uniforms: Vec<Uniforms>,
-    vertices: Buffer,
+    vertices: GpuBuffer,
     set_layouts: Vec<vk::DescriptorSetLayout>,
     sets: Vec<vk::DescriptorSet>,
     pool: vk::DescriptorPool,
@@ -92,7 +92,7 @@ pub(super) struct Draws {
     render_pass: vk::RenderPass,
     frame: vk::Framebuffer,
     passes: Vec<Pipeline>,
-    attributes: Vec<Attribute>,
+    attributes: Vec<DrawAttribute>,
     topology: vk::PrimitiveTopology,
     alone: bool,
 }
@@ -131,7 +131,7 @@ impl Draws {
         let vertex: usize = setting.attributes.iter().map(|a| a.words as usize).sum();
         let usage = vk::BufferUsageFlags::VERTEX_BUFFER;
         let mut this = Self {
-            vertices: Buffer::new(gpu, vertex * setting.most.0, usage)?,
+            vertices: GpuBuffer::new(gpu, vertex * setting.most.0, usage)?,
             gpu: gpu.clone(),
             uniforms: Vec::new(),
             set_layouts: Vec::new(),
@@ -151,7 +151,7 @@ impl Draws {
         blocks.sort_by_key(|block| (block.set, block.binding));
         for block in blocks {
             let stride = block.bytes.next_multiple_of(align) as usize / 4;
-            let buffer = Buffer::new(gpu, stride * setting.most.1, fed_by)?;
+            let buffer = GpuBuffer::new(gpu, stride * setting.most.1, fed_by)?;
             this.uniforms.push(Uniforms { block, buffer, stride });
         }
         this.describe(setting.stage, setting.feed)?;
@@ -227,7 +227,7 @@ impl Draws {
         }
         let usage = vk::BufferUsageFlags::TRANSFORM_FEEDBACK_BUFFER_EXT;
         // One vertex of room behind them shows what is written there.
-        let captured = Buffer::new(&self.gpu, pass.words * (pass.most + 1), usage)?;
+        let captured = GpuBuffer::new(&self.gpu, pass.words * (pass.most + 1), usage)?;
         let device = &self.gpu.device;
         let mut modules = Vec::new();
         let mut made = Ok(vk::Pipeline::null());
@@ -326,7 +326,13 @@ impl Draws {
 
     /// Draws, and gives what the device counted: for each draw by itself, or for all of them together. What is
     /// captured overwrites `blank`, a word of this run alone.
-    pub fn run(&mut self, pass: usize, draws: &[Drawn], each: bool, blank: u32) -> Result<Vec<Counts>, LaneError> {
+    pub fn run(
+        &mut self,
+        pass: usize,
+        draws: &[Drawn],
+        each: bool,
+        blank: u32,
+    ) -> Result<Vec<PrimitiveCounts>, LaneError> {
         let (device, feedback) = (&self.gpu.device, self.gpu.feedback.fp());
         let Pipeline { handle, captured, queries, counted, .. } = &mut self.passes[pass];
         let queries = *queries;
@@ -388,7 +394,7 @@ impl Draws {
             // SAFETY: the commands have ended, so that every query that was begun has a result of two numbers.
             unsafe { device.get_query_pool_results(queries, 0, &mut counts, flags) }.map_err(api)?;
         }
-        Ok(counts.into_iter().map(|[written, needed]| Counts { written, needed }).collect())
+        Ok(counts.into_iter().map(|[written, needed]| PrimitiveCounts { written, needed }).collect())
     }
 
     /// Proves that the last run wrote so many vertices and nothing behind them. Gives the first one that it did not.

@@ -11,7 +11,7 @@ use ash::vk;
 
 use super::Job;
 use super::capture::{self, Capture, Feed, VERTEX_BITS};
-use super::draw::{Attribute, Counts, Drawn, Draws, Pass, Setting};
+use super::draw::{DrawAttribute, Drawn, Draws, Pass, PrimitiveCounts, Setting};
 use super::gpu::Gpu;
 use super::interface;
 use super::records::Records;
@@ -46,7 +46,7 @@ pub(super) struct GeometryRunner {
 
 /// The inputs of a geometry stage, and the vertex stage in front of it.
 struct Front {
-    attributes: Vec<Attribute>,
+    attributes: Vec<DrawAttribute>,
     fed: Vec<usize>,
     text: String,
 }
@@ -81,7 +81,7 @@ impl Front {
             }
             for column in 0..u32::from(element.columns) {
                 let format = format(element.scalar, element.rows);
-                attributes.push(Attribute { location: next + column, format, words: u32::from(element.rows) });
+                attributes.push(DrawAttribute { location: next + column, format, words: u32::from(element.rows) });
             }
             next += u32::from(element.columns);
             let words: Vec<usize> = record.range(index).collect();
@@ -182,11 +182,11 @@ impl GeometryRunner {
     fn written(
         &mut self,
         pass: usize,
-        counts: &[Counts],
+        counts: &[PrimitiveCounts],
         corners: usize,
         (marks, blank): (Marks, u32),
     ) -> Result<(), LaneError> {
-        let vertices = |counts: &[Counts]| counts.iter().map(|c| c.written as usize * corners).sum::<usize>();
+        let vertices = |counts: &[PrimitiveCounts]| counts.iter().map(|c| c.written as usize * corners).sum::<usize>();
         let Some(vertex) = self.draws.unwritten(pass, vertices(counts), blank)? else { return Ok(()) };
         let invocation = (1..=counts.len()).find(|&k| vertices(&counts[..k]) > vertex).map_or(0, |k| k - 1);
         let (found, expected) = (blank, marks.canary ^ invocation as u32);
@@ -237,11 +237,11 @@ impl Runner for GeometryRunner {
 }
 
 /// An error when primitives did not fit: there is room for what the stage may emit.
-fn whole(counts: &[Counts]) -> Result<(), LaneError> {
+fn whole(counts: &[PrimitiveCounts]) -> Result<(), LaneError> {
     match counts.iter().position(|c| c.written != c.needed) {
         None => Ok(()),
         Some(k) => {
-            let Counts { written, needed } = counts[k];
+            let PrimitiveCounts { written, needed } = counts[k];
             Err(LaneError::Api(format!("primitive {k} gives {needed} primitives, and {written} of them are captured")))
         }
     }

@@ -272,7 +272,7 @@ fn plain(
 }
 
 /// A buffer in memory that both sides see.
-pub(super) struct Buffer {
+pub(super) struct GpuBuffer {
     gpu: Rc<Gpu>,
     pub handle: vk::Buffer,
     memory: vk::DeviceMemory,
@@ -280,7 +280,7 @@ pub(super) struct Buffer {
     words: usize,
 }
 
-impl Buffer {
+impl GpuBuffer {
     /// A buffer of so many words, at least four.
     pub fn new(gpu: &Rc<Gpu>, words: usize, usage: vk::BufferUsageFlags) -> Result<Self, LaneError> {
         let api = |error: vk::Result| LaneError::Api(error.to_string());
@@ -323,7 +323,7 @@ impl Buffer {
     }
 }
 
-impl Drop for Buffer {
+impl Drop for GpuBuffer {
     fn drop(&mut self) {
         // SAFETY: the device is at rest and no command buffer that names the buffer is left. Null handles are ignored.
         self.gpu.free(|device| unsafe {

@@ -16,7 +16,7 @@ fn unsupported(what: String) -> LaneError {
 
 /// A uniform buffer.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Block {
+pub(super) struct DescriptorBlock {
     pub set: u32,
     pub binding: u32,
     /// Size in bytes.
@@ -27,7 +27,7 @@ pub(super) struct Block {
 
 /// How a value is laid out in a block: what stands beside the type.
 #[derive(Clone, Copy, Default)]
-struct Layout {
+struct MemberLayout {
     matrix_stride: u32,
     row_major: bool,
 }
@@ -37,7 +37,7 @@ struct Layout {
 /// # Errors
 /// [`LaneError::Unsupported`] for resources that are no uniform buffers, and values that are laid out in a way that
 /// is not known.
-pub(super) fn blocks(reflection: &Reflection, case: &Record) -> Result<Vec<Block>, LaneError> {
+pub(super) fn blocks(reflection: &Reflection, case: &Record) -> Result<Vec<DescriptorBlock>, LaneError> {
     let known =
         [StorageClass::Input, StorageClass::Output, StorageClass::Uniform, StorageClass::Private].map(|s| s as u32);
     if let Some(other) = reflection.variables.iter().find(|v| !known.contains(&v.storage)) {
@@ -48,11 +48,11 @@ pub(super) fn blocks(reflection: &Reflection, case: &Record) -> Result<Vec<Block
     for variable in &variables {
         let of = |what| reflection.decoration(variable.id, what).unwrap_or(0);
         let mut all = Vec::new();
-        spread(reflection, variable.ty, 0, Layout::default(), &mut all);
+        spread(reflection, variable.ty, 0, MemberLayout::default(), &mut all);
         let bytes = all.iter().max().map_or(16, |last| (last + 4).next_multiple_of(16));
         open += all.len();
         let (set, binding) = (of(Decoration::DescriptorSet), of(Decoration::Binding));
-        blocks.push(Block { set, binding, bytes, places: Vec::new() });
+        blocks.push(DescriptorBlock { set, binding, bytes, places: Vec::new() });
     }
     for (index, field) in case.fields().iter().enumerate() {
         let found = variables.iter().enumerate().find_map(|(k, &v)| Some((k, place(reflection, v, &field.name)?)));
@@ -74,7 +74,7 @@ pub(super) fn blocks(reflection: &Reflection, case: &Record) -> Result<Vec<Block
 }
 
 /// Where the value of this name lies in a block: its type, its first byte, and what it is laid out by.
-fn place(reflection: &Reflection, block: Variable, name: &str) -> Option<(u32, u32, Layout)> {
+fn place(reflection: &Reflection, block: Variable, name: &str) -> Option<(u32, u32, MemberLayout)> {
     let steps: Vec<&str> = name.split(['.', '[']).map(|step| step.trim_end_matches(']')).collect();
     let instance = reflection.name(block.id);
     let steps = match steps.split_first()? {
@@ -82,7 +82,7 @@ fn place(reflection: &Reflection, block: Variable, name: &str) -> Option<(u32, u
         _ if instance.is_empty() => &steps[..],
         _ => return None,
     };
-    let (mut ty, mut offset, mut layout) = (block.ty, 0, Layout::default());
+    let (mut ty, mut offset, mut layout) = (block.ty, 0, MemberLayout::default());
     for step in steps {
         match reflection.types.get(&ty)? {
             Type::Struct(members) => {
@@ -104,13 +104,16 @@ fn place(reflection: &Reflection, block: Variable, name: &str) -> Option<(u32, u
     Some((ty, offset, layout))
 }
 
-fn layout_of(reflection: &Reflection, structure: u32, member: u32) -> Layout {
+fn layout_of(reflection: &Reflection, structure: u32, member: u32) -> MemberLayout {
     let of = |what| reflection.member_decoration(structure, member, what);
-    Layout { matrix_stride: of(Decoration::MatrixStride).unwrap_or(0), row_major: of(Decoration::RowMajor).is_some() }
+    MemberLayout {
+        matrix_stride: of(Decoration::MatrixStride).unwrap_or(0),
+        row_major: of(Decoration::RowMajor).is_some(),
+    }
 }
 
 /// The bytes at which the numbers of a value begin, in the order of records.
-fn spread(reflection: &Reflection, ty: u32, offset: u32, layout: Layout, out: &mut Vec<u32>) {
+fn spread(reflection: &Reflection, ty: u32, offset: u32, layout: MemberLayout, out: &mut Vec<u32>) {
     match reflection.types.get(&ty) {
         Some(Type::Bool | Type::Number) => out.push(offset),
         Some(&Type::Vector { count, .. }) => out.extend((0..count).map(|k| offset + 4 * k)),

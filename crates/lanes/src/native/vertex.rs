@@ -7,7 +7,7 @@ use ash::vk;
 
 use super::Job;
 use super::capture::{self, Capture, Feed};
-use super::draw::{Attribute, Drawn, Draws, Pass, Setting};
+use super::draw::{DrawAttribute, Drawn, Draws, Pass, Setting};
 use super::gpu::Gpu;
 use super::interface;
 use super::records::Records;
@@ -27,7 +27,7 @@ pub(super) struct VertexRunner {
     /// For each word of the vertex buffer, the word of the invocation record that it holds.
     fed: Vec<usize>,
     /// Where the stage reads numbers of the draw.
-    numbers: Option<Numbers>,
+    numbers: Option<DrawNumbers>,
     /// Words of records that the words of a captured vertex fill, in order.
     filled: Vec<Range<usize>>,
     sentinel: u32,
@@ -68,7 +68,7 @@ impl VertexRunner {
         capacity: usize,
     ) -> Result<Self, LaneError> {
         let reflection = Reflection::of(&job.module);
-        let numbers = Numbers::new(drawn)?;
+        let numbers = DrawNumbers::new(drawn)?;
         let (mut described, mut fed) = (Vec::new(), Vec::new());
         for (k, attribute) in attributes.iter().enumerate() {
             let Some(location) = interface::location(&reflection, &attribute.field)? else { continue };
@@ -80,7 +80,7 @@ impl VertexRunner {
                 )));
             }
             let format = format(attribute.field.shape.scalar, attribute.components);
-            described.push(Attribute { location, format, words: u32::from(attribute.components) });
+            described.push(DrawAttribute { location, format, words: u32::from(attribute.components) });
             fed.extend((0..usize::from(attribute.components)).map(|c| start + c));
         }
         if described.len() != interface::located_inputs(&reflection) {
@@ -174,14 +174,14 @@ impl Runner for VertexRunner {
 }
 
 /// How a vertex is drawn so that the stage reads the numbers of its sample.
-struct Numbers {
+struct DrawNumbers {
     vertex: Option<program::Drawn>,
     instance: Option<program::Drawn>,
     /// What each of these draws has as 0.
     zero: Vec<program::Drawn>,
 }
 
-impl Numbers {
+impl DrawNumbers {
     /// # Errors
     /// [`LaneError::Unsupported`] by name for numbers that are one and the same in a draw of one vertex.
     fn new(drawn: &[program::Drawn]) -> Result<Self, LaneError> {

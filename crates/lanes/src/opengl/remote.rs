@@ -12,7 +12,7 @@ use super::context::{Context, REMEDY};
 use super::job::{Captured, Inputs, Job};
 use super::prepare::{Ready, Refusal};
 use super::{Backend, Session};
-use crate::worker::{Frame, Held, Line, Loss, SharedLine, Worker, read_frame, write_frame};
+use crate::worker::{Frame, HeldJob, Line, Loss, SharedLine, Worker, read_frame, write_frame};
 use crate::{LaneError, Unavailable};
 
 /// Longest time for the start of a driver.
@@ -83,7 +83,7 @@ impl Remote {
 
 impl Backend for Remote {
     fn prepare(&self, job: &Job, capacity: usize) -> Result<Box<dyn Session>, Refusal> {
-        let mut away = Away { held: Held::new(&self.line), job: job.clone(), wanted: capacity, capacity: 0 };
+        let mut away = Away { held: HeldJob::new(&self.line), job: job.clone(), wanted: capacity, capacity: 0 };
         away.prepare()?;
         Ok(Box::new(away))
     }
@@ -91,7 +91,7 @@ impl Backend for Remote {
 
 /// A job that is ready in the other process.
 struct Away {
-    held: Held<Worker>,
+    held: HeldJob<Worker>,
     job: Job,
     wanted: usize,
     capacity: usize,

@@ -14,13 +14,13 @@ use base::value::{Scalar, Shape};
 /// How the uniforms of a program are set.
 #[derive(Default)]
 pub struct Uniforms {
-    plain: Vec<Plain>,
-    blocks: Vec<Block>,
+    plain: Vec<PlainUniform>,
+    blocks: Vec<UniformBlock>,
     buffer: Option<glow::Buffer>,
 }
 
 /// A uniform outside of blocks.
-struct Plain {
+struct PlainUniform {
     location: glow::UniformLocation,
     shape: Shape,
     /// First word in the record of a case.
@@ -30,7 +30,7 @@ struct Plain {
 }
 
 /// A uniform block.
-struct Block {
+struct UniformBlock {
     /// Bytes from the block of one case to that of the next.
     stride: usize,
     /// Bytes of the block.
@@ -62,7 +62,7 @@ impl Uniforms {
                     gl.get_active_uniform_block_parameter_i32(program, k, glow::UNIFORM_BLOCK_DATA_SIZE) as usize;
                 gl.uniform_block_binding(program, k, k);
                 let bytes = bytes.next_multiple_of(16);
-                this.blocks.push(Block { stride: bytes.next_multiple_of(align), bytes, places: Vec::new() });
+                this.blocks.push(UniformBlock { stride: bytes.next_multiple_of(align), bytes, places: Vec::new() });
             }
             for k in 0..gl.get_active_uniforms(program) {
                 let Some(active) = gl.get_active_uniform(program, k) else { continue };
@@ -82,10 +82,10 @@ impl Uniforms {
                 match usize::try_from(parameter(glow::UNIFORM_BLOCK_INDEX)) {
                     Err(_) => {
                         let Some(location) = gl.get_uniform_location(program, &active.name) else { continue };
-                        this.plain.push(Plain { location, shape: uniform.shape, first, elements });
+                        this.plain.push(PlainUniform { location, shape: uniform.shape, first, elements });
                     }
                     Ok(block) => {
-                        let layout = Layout {
+                        let layout = MemberLayout {
                             offset: parameter(glow::UNIFORM_OFFSET) as usize,
                             array: parameter(glow::UNIFORM_ARRAY_STRIDE).max(0) as usize,
                             matrix: parameter(glow::UNIFORM_MATRIX_STRIDE).max(0) as usize,
@@ -168,14 +168,14 @@ fn find<'j>(job: &'j Job, name: &str, base: &str) -> Option<(&'j Named, usize)> 
 }
 
 /// Where a uniform lies in its block, in bytes.
-struct Layout {
+struct MemberLayout {
     offset: usize,
     array: usize,
     matrix: usize,
     rows_first: bool,
 }
 
-impl Layout {
+impl MemberLayout {
     /// Words of the value, and where in the block each goes, in words.
     fn words(&self, shape: Shape, elements: usize) -> impl Iterator<Item = (usize, usize)> {
         let (columns, rows) = (usize::from(shape.columns), usize::from(shape.rows));
@@ -232,14 +232,14 @@ mod tests {
 
     #[test]
     fn words_go_where_the_driver_says() {
-        let at = |layout: &Layout, shape, n| layout.words(shape, n).map(|(_, at)| at).collect::<Vec<_>>();
+        let at = |layout: &MemberLayout, shape, n| layout.words(shape, n).map(|(_, at)| at).collect::<Vec<_>>();
         let matrix = Shape { scalar: Scalar::F32, columns: 2, rows: 3, array: None, half: false };
-        let columns = Layout { offset: 16, array: 0, matrix: 16, rows_first: false };
+        let columns = MemberLayout { offset: 16, array: 0, matrix: 16, rows_first: false };
         assert_eq!(at(&columns, matrix, 1), [4, 5, 6, 8, 9, 10]);
         // In rows, the first column is the first word of each row.
-        let rows = Layout { rows_first: true, ..columns };
+        let rows = MemberLayout { rows_first: true, ..columns };
         assert_eq!(at(&rows, matrix, 1), [4, 8, 12, 5, 9, 13]);
-        let array = Layout { offset: 0, array: 16, matrix: 0, rows_first: false };
+        let array = MemberLayout { offset: 0, array: 16, matrix: 0, rows_first: false };
         assert_eq!(at(&array, Shape::FLOAT.array_of(3), 3), [0, 4, 8]);
     }
 }

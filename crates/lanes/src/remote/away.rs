@@ -9,7 +9,7 @@ use super::message::{Answer, Ask, Pieces};
 use super::wire::{Wire, Writer};
 use super::{Front, SIDE, Work};
 use crate::vulkan::{self, Naga};
-use crate::worker::{self, Held, Loss, Program as Executable, SharedLine, Worker, with_inputs};
+use crate::worker::{self, HeldJob, Loss, Program as Executable, SharedLine, Worker, with_inputs};
 use crate::{Actual, Candidate, Description, Lane, LaneError, PATIENCE, Runner, Unavailable, interned, interrupt};
 use base::value::Batch;
 use program::interp::{self, Binary32};
@@ -32,13 +32,13 @@ const PIECE: Duration = Duration::from_secs(20);
 const COARSE: usize = 256;
 
 /// The way to a process of this program.
-type Line = worker::Line<Worker, Slow>;
+type EngineLine = worker::Line<Worker, Slow>;
 
 /// True once a batch did not come back in its time.
 #[derive(Default)]
 struct Slow(bool);
 
-impl Line {
+impl EngineLine {
     fn to(program: &Executable) -> Self {
         Self::new(Worker::new(&program.with(SIDE), &[]), Slow::default())
     }
@@ -67,7 +67,7 @@ fn missing(why: String) -> Unavailable {
 /// # Errors
 /// Why there are none, without a full stop.
 pub fn devices(program: &'static Executable) -> Result<Vec<Candidate>, String> {
-    let mut line = Line::to(program);
+    let mut line = EngineLine::to(program);
     let lost = |loss: &Loss| format!("the process that looks for Vulkan drivers {loss}");
     let names = match line.ask(&Ask::Devices, &[], OPENING).map_err(|loss| lost(&loss))? {
         Answer::Devices { names } => names,
@@ -80,7 +80,7 @@ pub fn devices(program: &'static Executable) -> Result<Vec<Candidate>, String> {
         let (name, spare) = (interned(&name), spare.clone());
         let open = move || {
             let line = spare.lock().unwrap_or_else(PoisonError::into_inner).take();
-            open_on(line.unwrap_or_else(|| Line::to(program)), name, Box::new(Naga))
+            open_on(line.unwrap_or_else(|| EngineLine::to(program)), name, Box::new(Naga))
         };
         Candidate {
             name,
@@ -99,10 +99,10 @@ pub fn devices(program: &'static Executable) -> Result<Vec<Candidate>, String> {
 /// # Errors
 /// [`Unavailable`] when the process does not start, or has no such lane.
 pub fn open(program: &Executable, lane: &str, front: Box<dyn Front>) -> Result<Box<dyn Lane>, Unavailable> {
-    open_on(Line::to(program), lane, front)
+    open_on(EngineLine::to(program), lane, front)
 }
 
-fn open_on(mut line: Line, lane: &str, front: Box<dyn Front>) -> Result<Box<dyn Lane>, Unavailable> {
+fn open_on(mut line: EngineLine, lane: &str, front: Box<dyn Front>) -> Result<Box<dyn Lane>, Unavailable> {
     let description = line.open(lane)?;
     Ok(Box::new(Away { line: Rc::new(RefCell::new(line)), front, description }))
 }
@@ -136,7 +136,7 @@ impl Lane for Away {
         let refused = |what| LaneError::Unsupported(format!("`{what}` of naga, in a process of its own"));
         let words = writer.finish().map_err(refused)?;
         let mut session = Session {
-            held: Held::new(&self.line),
+            held: HeldJob::new(&self.line),
             lane: self.description.name.to_owned(),
             words,
             wanted: capacity.max(1),
@@ -153,7 +153,7 @@ impl Lane for Away {
 
 /// Work that is ready in the other process.
 struct Session {
-    held: Held<Worker, Slow>,
+    held: HeldJob<Worker, Slow>,
     lane: String,
     words: Vec<u32>,
     wanted: usize,
@@ -299,7 +299,7 @@ fn compiling() -> LaneError {
 
 /// A device that reports an error may be lost, or busy for good with what does not end: the process is ended, and the
 /// next one opens it anew.
-fn renew(line: &mut Line, error: &LaneError) {
+fn renew(line: &mut EngineLine, error: &LaneError) {
     if matches!(error, LaneError::Api(_)) {
         line.process.stop();
     }

@@ -1,7 +1,7 @@
 //! One dispatch of the compute kernel for a batch.
 
 use super::Job;
-use super::gpu::{Gpu, Outputs, as_bytes};
+use super::gpu::{Gpu, GpuOutputs, as_bytes};
 use super::texture::Textures;
 use crate::{Actual, LaneError, Runner};
 use base::value::Batch;
@@ -14,7 +14,7 @@ pub(super) struct ComputeRunner {
     textures: Option<Textures>,
     invocations: wgpu::Buffer,
     cases: wgpu::Buffer,
-    outputs: Outputs,
+    outputs: GpuOutputs,
     capacity: usize,
 }
 
@@ -77,7 +77,7 @@ impl ComputeRunner {
             let size = |words: usize| 4 * (words * capacity) as u64;
             let invocations = gpu.buffer(size(job.invocation.words()), input);
             let cases = gpu.buffer(size(job.case.words()), input);
-            let outputs = Outputs::new(gpu, &job.output, capacity);
+            let outputs = GpuOutputs::new(gpu, &job.output, capacity);
             let entry = |at, buffer: &wgpu::Buffer| (at, buffer.clone());
             let mut bound = vec![entry(binding::PARAMS, &outputs.params), entry(binding::OUTPUTS, &outputs.storage)];
             if job.invocation.words() > 0 {

@@ -151,7 +151,7 @@ impl Gpu {
 }
 
 /// The output buffer of a kernel with what is needed to fill it with the sentinel and to read it.
-pub(super) struct Outputs {
+pub(super) struct GpuOutputs {
     gpu: Gpu,
     layout: OutputLayout,
     pub storage: wgpu::Buffer,
@@ -162,7 +162,7 @@ pub(super) struct Outputs {
     spare: Vec<u32>,
 }
 
-impl Outputs {
+impl GpuOutputs {
     pub fn new(gpu: &Gpu, layout: &OutputLayout, capacity: usize) -> Self {
         use wgpu::BufferUsages as Usage;
         let bytes = 4 * (layout.words() * capacity) as u64;

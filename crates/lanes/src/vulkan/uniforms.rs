@@ -1,7 +1,7 @@
 //! One dispatch for each invocation, whose inputs are in a uniform buffer.
 
 use super::Job;
-use super::gpu::{Gpu, Outputs, as_bytes};
+use super::gpu::{Gpu, GpuOutputs, as_bytes};
 use crate::{Actual, LaneError, Runner};
 use base::value::Batch;
 use program::{ENTRY_POINT, binding, uniform_blocks};
@@ -17,7 +17,7 @@ pub(super) struct UniformsRunner {
     blocks: wgpu::Buffer,
     /// Distance between neighbouring blocks, in bytes.
     stride: u32,
-    outputs: Outputs,
+    outputs: GpuOutputs,
     capacity: usize,
 }
 
@@ -64,7 +64,7 @@ impl UniformsRunner {
             });
             let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
             let blocks = gpu.buffer(stride * capacity as u64, usage);
-            let outputs = Outputs::new(gpu, &job.output, capacity);
+            let outputs = GpuOutputs::new(gpu, &job.output, capacity);
             let block = wgpu::BufferBinding { buffer: &blocks, offset: 0, size: std::num::NonZeroU64::new(bytes) };
             let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: None,

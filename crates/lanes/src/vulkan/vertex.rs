@@ -1,7 +1,7 @@
 //! Draws of the vertex kernel: one draw a case, points that are clipped away.
 
 use super::Job;
-use super::gpu::{Gpu, Outputs, as_bytes};
+use super::gpu::{Gpu, GpuOutputs, as_bytes};
 use super::texture::Textures;
 use crate::{Actual, LaneError, Runner};
 use base::value::{Batch, Scalar};
@@ -24,7 +24,7 @@ pub(super) struct VertexRunner {
     fed: Vec<usize>,
     record_words: usize,
     blocks: Vec<Uniforms>,
-    outputs: Outputs,
+    outputs: GpuOutputs,
     /// The number of the draw that the shader reads: each vertex is a draw of its own.
     number: Option<Drawn>,
     capacity: usize,
@@ -98,7 +98,7 @@ impl VertexRunner {
                     block: block.clone(),
                 })
                 .collect();
-            let outputs = Outputs::new(gpu, &job.output, capacity);
+            let outputs = GpuOutputs::new(gpu, &job.output, capacity);
             let (harness_layout, uniform_layout) = layouts(gpu, &blocks);
             let mut groups = vec![Some(&harness_layout), Some(&uniform_layout)];
             groups.extend(textures.as_ref().map(|textures| Some(&textures.layout)));

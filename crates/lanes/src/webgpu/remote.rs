@@ -6,7 +6,7 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use super::messages::{Adapter, Answer, Ask, Job, Missing};
-use crate::worker::{Held, Line, Loss, Process, SharedLine, Worker};
+use crate::worker::{HeldJob, Line, Loss, Process, SharedLine, Worker};
 use crate::{LaneError, Marks};
 use base::value::Batch;
 
@@ -42,18 +42,18 @@ impl Peer for Worker {
 /// A device in another process.
 #[derive(Clone)]
 pub struct Remote {
-    line: SharedLine<Box<dyn Peer>, Device>,
+    line: SharedLine<Box<dyn Peer>, NodeDevice>,
     pub adapter: Adapter,
 }
 
 /// What is known of the device of a process.
-struct Device {
+struct NodeDevice {
     folder: String,
     /// The start of the process that has a device.
     opened: Option<u64>,
 }
 
-impl Line<Box<dyn Peer>, Device> {
+impl Line<Box<dyn Peer>, NodeDevice> {
     /// Asks for a device, of a process that was not asked yet.
     fn open(&mut self) -> Result<Option<Adapter>, Missing> {
         if self.state.opened.is_some() && self.state.opened == self.process.start() {
@@ -80,7 +80,7 @@ impl Remote {
     /// [`Missing`] when the process does not start, or has none.
     pub fn open(peer: Box<dyn Peer>, folder: &Path) -> Result<Self, Missing> {
         let folder = folder.to_string_lossy().into_owned();
-        let mut line = Line::new(peer, Device { folder, opened: None });
+        let mut line = Line::new(peer, NodeDevice { folder, opened: None });
         match line.open()? {
             Some(adapter) => Ok(Self { line: Rc::new(RefCell::new(line)), adapter }),
             None => Err(Missing::Process("it was open before it was opened".to_owned())),
@@ -92,7 +92,7 @@ impl Remote {
     /// # Errors
     /// [`LaneError`] when it is refused, or the process is lost.
     pub fn prepare(&self, job: Job, texels: Vec<u32>) -> Result<Away, LaneError> {
-        let held = Held::new(&self.line);
+        let held = HeldJob::new(&self.line);
         let job = Job { id: held.id, ..job };
         let mut away = Away { held, job, texels };
         away.prepare()?;
@@ -102,7 +102,7 @@ impl Remote {
 
 /// A kernel that is ready in the other process.
 pub struct Away {
-    held: Held<Box<dyn Peer>, Device>,
+    held: HeldJob<Box<dyn Peer>, NodeDevice>,
     pub job: Job,
     texels: Vec<u32>,
 }

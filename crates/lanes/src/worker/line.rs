@@ -65,14 +65,14 @@ impl<P: Process, S> Line<P, S> {
 pub type SharedLine<P, S = ()> = Rc<RefCell<Line<P, S>>>;
 
 /// A job that is made ready in a process under a number.
-pub struct Held<P, S = ()> {
+pub struct HeldJob<P, S = ()> {
     pub line: SharedLine<P, S>,
     pub id: u64,
     /// The start of the process at which it was made ready: a process that was started again knows nothing of it.
     start: Option<u64>,
 }
 
-impl<P: Process, S> Held<P, S> {
+impl<P: Process, S> HeldJob<P, S> {
     /// A job that is not ready yet.
     pub fn new(line: &SharedLine<P, S>) -> Self {
         Self { line: line.clone(), id: line.borrow_mut().number(), start: None }

@@ -31,7 +31,7 @@ use super::{LaneError, interrupt};
 use base::value::{Batch, Record};
 
 pub use frame::{Frame, read_frame, write_frame};
-pub(crate) use line::{Held, Line, Process, SharedLine};
+pub(crate) use line::{HeldJob, Line, Process, SharedLine};
 
 /// Bytes of the error output of a process that are kept.
 const KEPT: usize = 2048;
@@ -136,12 +136,12 @@ pub fn with_inputs(error: LaneError, batch: &Batch) -> LaneError {
 pub struct Worker {
     program: Program,
     environment: Vec<(&'static str, &'static str)>,
-    running: Option<Running>,
+    running: Option<ChildProcess>,
     /// How often it was started.
     starts: u64,
 }
 
-struct Running {
+struct ChildProcess {
     child: Child,
     to: ChildStdin,
     from: Receiver<std::io::Result<Option<Frame<serde_json::Value>>>>,
@@ -160,10 +160,10 @@ impl Worker {
         self.running.as_ref().map(|_| self.starts)
     }
 
-    fn running(&mut self) -> Result<&mut Running, Loss> {
+    fn running(&mut self) -> Result<&mut ChildProcess, Loss> {
         if self.running.is_none() {
             self.starts += 1;
-            self.running = Some(Running::start(&self.program, &self.environment)?);
+            self.running = Some(ChildProcess::start(&self.program, &self.environment)?);
         }
         self.running.as_mut().ok_or_else(|| Loss::new("does not run"))
     }
@@ -177,7 +177,7 @@ impl Worker {
     }
 
     fn send_within<M: Serialize>(&mut self, message: &M, words: &[&[u32]], limit: Duration) -> Result<(), Loss> {
-        let Running { child, to, .. } = self.running()?;
+        let ChildProcess { child, to, .. } = self.running()?;
         let long = words.iter().map(|words| words.len()).sum::<usize>() > PIPED;
         let mut hung = false;
         let sent = std::thread::scope(|scope| {
@@ -286,7 +286,7 @@ impl Drop for Worker {
     }
 }
 
-impl Running {
+impl ChildProcess {
     fn start(program: &Program, environment: &[(&str, &str)]) -> Result<Self, Loss> {
         let failed = |what: &str| Loss::new(format!("cannot be started: {what}"));
         let mut child = apart(&mut Command::new(&program.path))

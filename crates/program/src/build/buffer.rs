@@ -18,7 +18,7 @@ use syntax::types::{OpaqueKind, OpaqueType, ScalarType, StructField, StructType,
 
 /// How a texel stands in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Cell {
+enum BufferCell {
     /// So many components of the texel's own type.
     Plain(u8),
     /// One word, packed and unpacked by built-in functions; so many components are kept.
@@ -27,9 +27,9 @@ enum Cell {
 
 /// A buffer behind a texture, image or counter.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Buffer {
+pub(super) struct TexelBuffer {
     variable: Handle<GlobalVariable>,
-    cell: Cell,
+    cell: BufferCell,
     /// True for one that starts with its size: width, height, depth or layers, samples.
     sized: bool,
     atomic: bool,
@@ -58,16 +58,16 @@ fn with_size(texels: &Type) -> Type {
 }
 
 /// The texel of a format; none for one that is no whole word.
-fn cell(format: Option<&str>) -> Option<Cell> {
+fn cell(format: Option<&str>) -> Option<BufferCell> {
     Some(match format {
-        None | Some("rgba32f" | "rgba32i" | "rgba32ui") => Cell::Plain(4),
-        Some("rg32f" | "rg32i" | "rg32ui") => Cell::Plain(2),
-        Some("r32f" | "r32i" | "r32ui") => Cell::Plain(1),
-        Some("rgba8") => Cell::Packed(M::Unpack4x8unorm, M::Pack4x8unorm, 4),
-        Some("rgba8_snorm") => Cell::Packed(M::Unpack4x8snorm, M::Pack4x8snorm, 4),
-        Some("rg16") => Cell::Packed(M::Unpack2x16unorm, M::Pack2x16unorm, 2),
-        Some("rg16_snorm") => Cell::Packed(M::Unpack2x16snorm, M::Pack2x16snorm, 2),
-        Some("rg16f") => Cell::Packed(M::Unpack2x16float, M::Pack2x16float, 2),
+        None | Some("rgba32f" | "rgba32i" | "rgba32ui") => BufferCell::Plain(4),
+        Some("rg32f" | "rg32i" | "rg32ui") => BufferCell::Plain(2),
+        Some("r32f" | "r32i" | "r32ui") => BufferCell::Plain(1),
+        Some("rgba8") => BufferCell::Packed(M::Unpack4x8unorm, M::Pack4x8unorm, 4),
+        Some("rgba8_snorm") => BufferCell::Packed(M::Unpack4x8snorm, M::Pack4x8snorm, 4),
+        Some("rg16") => BufferCell::Packed(M::Unpack2x16unorm, M::Pack2x16unorm, 2),
+        Some("rg16_snorm") => BufferCell::Packed(M::Unpack2x16snorm, M::Pack2x16snorm, 2),
+        Some("rg16f") => BufferCell::Packed(M::Unpack2x16float, M::Pack2x16float, 2),
         Some(_) => return None,
     })
 }
@@ -99,7 +99,7 @@ impl Build<'_> {
     }
 
     /// The buffer of a texture, image or counter, made when it is first used.
-    fn buffer(&mut self, opaque: &Opaque, ty: OpaqueType, span: Span) -> Result<Buffer> {
+    fn buffer(&mut self, opaque: &Opaque, ty: OpaqueType, span: Span) -> Result<TexelBuffer> {
         if let Some(buffer) = self.made.buffers.get(&opaque.key) {
             return Ok(*buffer);
         }
@@ -110,7 +110,7 @@ impl Build<'_> {
             let counter = self.insert(None, TypeInner::Atomic(Scalar::U32));
             let variable = self.with_binding(&name, AddressSpace::Storage { access: all }, counter);
             self.memory_behind(&opaque.key, variable, &Type::UINT, true, span);
-            Buffer { variable, cell: Cell::Plain(1), sized: false, atomic: true }
+            TexelBuffer { variable, cell: BufferCell::Plain(1), sized: false, atomic: true }
         } else {
             let format = opaque.image.format.as_deref().filter(|_| ty.kind == OpaqueKind::Image);
             if ty.kind == OpaqueKind::Image && format.is_none() && opaque.image.reads {
@@ -121,10 +121,10 @@ impl Build<'_> {
                 let message = format!("`{ty}` of the format `{}`", format.unwrap_or_default());
                 return Err(self.unsupported(span, message, "use a format of 32 bits or `rgba8`"));
             };
-            let atomic = cell == Cell::Plain(1) && ty.kind == OpaqueKind::Image && self.has_image_atomics();
+            let atomic = cell == BufferCell::Plain(1) && ty.kind == OpaqueKind::Image && self.has_image_atomics();
             let texel = match cell {
-                Cell::Plain(n) => self.value_type(&Type::vector(ty.scalar, n), span)?,
-                Cell::Packed(..) => self.value_type(&Type::UINT, span)?,
+                BufferCell::Plain(n) => self.value_type(&Type::vector(ty.scalar, n), span)?,
+                BufferCell::Packed(..) => self.value_type(&Type::UINT, span)?,
             };
             let base = match (atomic, ty.scalar) {
                 (false, _) => texel,
@@ -149,14 +149,14 @@ impl Build<'_> {
             let access = if ty.kind == OpaqueKind::Image && opaque.image.writes { all } else { StorageAccess::LOAD };
             let variable = self.with_binding(&name, AddressSpace::Storage { access }, host);
             let texel = match cell {
-                Cell::Packed(..) => Type::UINT,
-                Cell::Plain(_) if atomic && ty.scalar == ScalarType::Float => Type::UINT,
-                Cell::Plain(n) => Type::vector(ty.scalar, n),
+                BufferCell::Packed(..) => Type::UINT,
+                BufferCell::Plain(_) if atomic && ty.scalar == ScalarType::Float => Type::UINT,
+                BufferCell::Plain(n) => Type::vector(ty.scalar, n),
             };
             let texels = texel.array(crate::memory::LENGTH);
             let inside = if sized { with_size(&texels) } else { texels };
             self.memory_behind(&opaque.key, variable, &inside, access == all, span);
-            Buffer { variable, cell, sized, atomic }
+            TexelBuffer { variable, cell, sized, atomic }
         };
         self.made.buffers.insert(opaque.key.clone(), buffer);
         Ok(buffer)
@@ -263,7 +263,7 @@ impl Fun<'_, '_> {
     fn texel_index(
         &mut self,
         whole: Expr,
-        buffer: &Buffer,
+        buffer: &TexelBuffer,
         ty: OpaqueType,
         at: &Val,
         sample: Option<Val>,
@@ -321,15 +321,15 @@ impl Fun<'_, '_> {
         }
     }
 
-    fn load_texel(&mut self, texels: Expr, index: Expr, buffer: &Buffer, scalar: ScalarType) -> Result<Val> {
+    fn load_texel(&mut self, texels: Expr, index: Expr, buffer: &TexelBuffer, scalar: ScalarType) -> Result<Val> {
         let pointer = self.add(Expression::Access { base: texels, index });
         let mut e = self.add(Expression::Load { pointer });
         if buffer.atomic && scalar == ScalarType::Float {
             e = self.add(Expression::As { expr: e, kind: ScalarKind::Float, convert: None });
         }
         let (e, have) = match buffer.cell {
-            Cell::Plain(n) => (e, n),
-            Cell::Packed(unpack, _, n) => (self.math(unpack, &[e]), n),
+            BufferCell::Plain(n) => (e, n),
+            BufferCell::Packed(unpack, _, n) => (self.math(unpack, &[e]), n),
         };
         if have == 4 {
             return Ok(Val { e, ty: Type::Vector(scalar, 4) });
@@ -341,17 +341,17 @@ impl Fun<'_, '_> {
         self.compose(&Type::Vector(scalar, 4), parts)
     }
 
-    fn store_texel(&mut self, texels: Expr, index: Expr, buffer: &Buffer, texel: &Val) -> Result<()> {
+    fn store_texel(&mut self, texels: Expr, index: Expr, buffer: &TexelBuffer, texel: &Val) -> Result<()> {
         let n = match buffer.cell {
-            Cell::Plain(n) | Cell::Packed(_, _, n) => n,
+            BufferCell::Plain(n) | BufferCell::Packed(_, _, n) => n,
         };
         let kept = self.swizzle(texel, &(0..n).collect::<Vec<_>>())?.e;
         let value = match buffer.cell {
-            Cell::Plain(_) if buffer.atomic && texel.ty.scalar() == Some(ScalarType::Float) => {
+            BufferCell::Plain(_) if buffer.atomic && texel.ty.scalar() == Some(ScalarType::Float) => {
                 self.add(Expression::As { expr: kept, kind: ScalarKind::Uint, convert: None })
             }
-            Cell::Plain(_) => kept,
-            Cell::Packed(_, pack, _) => self.math(pack, &[kept]),
+            BufferCell::Plain(_) => kept,
+            BufferCell::Packed(_, pack, _) => self.math(pack, &[kept]),
         };
         let pointer = self.add(Expression::Access { base: texels, index });
         self.push(Statement::Store { pointer, value });
@@ -362,7 +362,7 @@ impl Fun<'_, '_> {
         &mut self,
         function: F,
         (whole, texels): (Expr, Expr),
-        buffer: &Buffer,
+        buffer: &TexelBuffer,
         ty: OpaqueType,
         rest: &[Option<Val>],
         span: Span,

@@ -43,7 +43,7 @@ fn input(name: &str, stage: Stage) -> Option<(BuiltIn, Type)> {
 }
 
 /// How a built-in output leaves its stage.
-enum Output {
+enum BuiltinOutput {
     /// naga has it under this name.
     BuiltIn(BuiltIn),
     /// naga has none: it is a varying like others, at this location or the next one that is free.
@@ -53,24 +53,24 @@ enum Output {
 }
 
 /// An output of a stage that is no variable of the author.
-fn output(name: &str, stage: Stage) -> Option<Output> {
+fn output(name: &str, stage: Stage) -> Option<BuiltinOutput> {
     Some(match (stage, name) {
-        (Stage::Vertex, "gl_Position") => Output::BuiltIn(BuiltIn::Position { invariant: false }),
-        (Stage::Vertex, "gl_PointSize") => Output::BuiltIn(BuiltIn::PointSize),
-        (Stage::Vertex, "gl_ClipDistance") => Output::BuiltIn(BuiltIn::ClipDistances),
-        (Stage::Vertex, "gl_CullDistance") => Output::BuiltIn(BuiltIn::CullDistance),
-        (Stage::Vertex, "gl_Layer" | "gl_ViewportIndex") => Output::Varying(None),
-        (Stage::Vertex, _) if is_old_varying(name) && !is_old_attribute(name) => Output::Varying(None),
-        (Stage::Fragment, "gl_FragDepth" | "gl_FragDepthEXT") => Output::BuiltIn(BuiltIn::FragDepth),
-        (Stage::Fragment, "gl_SampleMask") => Output::BuiltIn(BuiltIn::SampleMask),
-        (Stage::Fragment, "gl_FragColor" | "gl_FragData") => Output::Varying(Some(0)),
+        (Stage::Vertex, "gl_Position") => BuiltinOutput::BuiltIn(BuiltIn::Position { invariant: false }),
+        (Stage::Vertex, "gl_PointSize") => BuiltinOutput::BuiltIn(BuiltIn::PointSize),
+        (Stage::Vertex, "gl_ClipDistance") => BuiltinOutput::BuiltIn(BuiltIn::ClipDistances),
+        (Stage::Vertex, "gl_CullDistance") => BuiltinOutput::BuiltIn(BuiltIn::CullDistance),
+        (Stage::Vertex, "gl_Layer" | "gl_ViewportIndex") => BuiltinOutput::Varying(None),
+        (Stage::Vertex, _) if is_old_varying(name) && !is_old_attribute(name) => BuiltinOutput::Varying(None),
+        (Stage::Fragment, "gl_FragDepth" | "gl_FragDepthEXT") => BuiltinOutput::BuiltIn(BuiltIn::FragDepth),
+        (Stage::Fragment, "gl_SampleMask") => BuiltinOutput::BuiltIn(BuiltIn::SampleMask),
+        (Stage::Fragment, "gl_FragColor" | "gl_FragData") => BuiltinOutput::Varying(Some(0)),
         (
             Stage::Geometry | Stage::TessEvaluation,
             "gl_Position" | "gl_PointSize" | "gl_ClipDistance" | "gl_CullDistance" | "gl_Layer" | "gl_ViewportIndex",
         )
         | (Stage::Geometry, "gl_PrimitiveID")
-        | (Stage::TessControl, "gl_out" | "gl_TessLevelOuter" | "gl_TessLevelInner") => Output::Harness,
-        (Stage::Geometry, _) if is_old_varying(name) => Output::Harness,
+        | (Stage::TessControl, "gl_out" | "gl_TessLevelOuter" | "gl_TessLevelInner") => BuiltinOutput::Harness,
+        (Stage::Geometry, _) if is_old_varying(name) => BuiltinOutput::Harness,
         _ => return None,
     })
 }
@@ -219,19 +219,19 @@ impl Build<'_> {
         &mut self,
         name: &str,
         ty: &Type,
-        output: Output,
+        output: BuiltinOutput,
         written: bool,
         span: Span,
     ) -> Result<Handle<GlobalVariable>> {
         let handle = self.private(name, ty, span)?;
         match output {
             // The mask is an array of words, of which there is one.
-            Output::BuiltIn(BuiltIn::SampleMask) => {
+            BuiltinOutput::BuiltIn(BuiltIn::SampleMask) => {
                 self.built_in_output(name, &Type::INT, handle, vec![0], BuiltIn::SampleMask);
             }
-            Output::BuiltIn(built_in) => self.built_in_output(name, ty, handle, Vec::new(), built_in),
-            Output::Varying(first) => self.located_output(name, ty, (handle, &[]), first, &[], span)?,
-            Output::Harness => {}
+            BuiltinOutput::BuiltIn(built_in) => self.built_in_output(name, ty, handle, Vec::new(), built_in),
+            BuiltinOutput::Varying(first) => self.located_output(name, ty, (handle, &[]), first, &[], span)?,
+            BuiltinOutput::Harness => {}
         }
         // What a vertex always has is an output only if the text writes it.
         let of_vertex = matches!(name, "gl_Position" | "gl_PointSize" | "gl_ClipDistance" | "gl_CullDistance");

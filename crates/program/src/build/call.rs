@@ -3,7 +3,7 @@
 use naga::{AddressSpace, Expression, FunctionArgument, FunctionResult, Handle, Statement, TypeInner};
 
 use super::function::{Fun, Val};
-use super::place::{Place, Var};
+use super::place::{Lvalue, Var};
 use super::texture::Opaque;
 use super::{Build, Result};
 use base::text::Span;
@@ -20,7 +20,7 @@ impl Fun<'_, '_> {
         }
         let mut arguments = Vec::new();
         let mut opaques = Vec::new();
-        let mut back: Vec<(Place, Place)> = Vec::new();
+        let mut back: Vec<(Lvalue, Lvalue)> = Vec::new();
         for (param, &arg) in info.params.iter().zip(args) {
             if param.ty.contains_opaque() {
                 let Some(opaque) = self.opaque(arg)? else {
@@ -117,7 +117,7 @@ impl Build<'_> {
             let Some(symbol) = param.symbol else { continue };
             let argument = f.add(Expression::FunctionArgument(index));
             let var = if by_reference {
-                Var::Place(Place { ptr: argument, ty: param.ty.clone(), host: value, swizzle: None })
+                Var::Place(Lvalue { ptr: argument, ty: param.ty.clone(), host: value, swizzle: None })
             } else {
                 let value = Val { e: argument, ty: param.ty.clone() };
                 let small = matches!(param.ty, Type::Scalar(_) | Type::Vector(..));

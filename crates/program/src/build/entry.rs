@@ -7,7 +7,7 @@ use naga::{
 
 use super::function::{Fun, Val};
 use super::io::{Incoming, Outgoing, kind_of};
-use super::place::Place;
+use super::place::Lvalue;
 use super::{Build, Result};
 use crate::PortAt;
 use base::text::Span;
@@ -153,7 +153,7 @@ impl Build<'_> {
 
 impl Fun<'_, '_> {
     /// The place of a variable at file scope.
-    fn target_of(&mut self, symbol: SymbolId, span: Span) -> Result<Place> {
+    fn target_of(&mut self, symbol: SymbolId, span: Span) -> Result<Lvalue> {
         match self.symbol(symbol, span)? {
             super::place::Var::Place(place) => Ok(place),
             super::place::Var::Value(_) | super::place::Var::Opaque(_) => {

@@ -7,7 +7,7 @@ use naga::{
     Statement, Type as NagaType,
 };
 
-use super::place::{Place, Var};
+use super::place::{Lvalue, Var};
 use super::{Build, Expr, Result};
 use base::text::Span;
 use syntax::Shader;
@@ -161,13 +161,13 @@ impl<'b, 's> Fun<'b, 's> {
     }
 
     /// A new variable of the function.
-    pub(super) fn local(&mut self, name: &str, ty: &Type) -> Result<Place> {
+    pub(super) fn local(&mut self, name: &str, ty: &Type) -> Result<Lvalue> {
         let host = self.build.value_type(ty, self.at)?;
         let variable = LocalVariable { name: Some(name.to_owned()), ty: host, init: None };
         let span = self.span();
         let local = self.locals.append(variable, span);
         let ptr = self.add(Expression::LocalVariable(local));
-        Ok(Place { ptr, ty: ty.clone(), host, swizzle: None })
+        Ok(Lvalue { ptr, ty: ty.clone(), host, swizzle: None })
     }
 
     pub(super) fn ty(&mut self, ty: &Type) -> Result<Handle<NagaType>> {

@@ -6,10 +6,10 @@ use naga::{AddressSpace, Expression, GlobalVariable, Handle, Literal, StorageAcc
 
 use super::function::{Fun, Val};
 use super::image::ImageLayout;
-use super::place::{Place, Var};
+use super::place::{Lvalue, Var};
 use super::statement::with_length;
 use super::texture::{Data, Opaque};
-use super::types::{Layout, has_data};
+use super::types::{TypeLayout, has_data};
 use super::{Build, Result};
 use base::text::Span;
 use syntax::Const;
@@ -184,7 +184,7 @@ impl<'s> Build<'s> {
 
     /// A uniform. It stands in a block of its own, so that its place can be laid out.
     pub(super) fn uniform(&mut self, name: &str, ty: &Type, span: Span) -> Result<Handle<GlobalVariable>> {
-        let host = self.make(ty, Layout::Uniform, span)?;
+        let host = self.make(ty, TypeLayout::Uniform, span)?;
         let handle = self.with_binding(name, AddressSpace::Uniform, host);
         self.uniform_ports(handle, host, name, ty, span);
         Ok(handle)
@@ -374,7 +374,7 @@ impl<'s> Build<'s> {
         let name = block.instance.as_ref().map_or(&block.name.name, |i| &i.name).clone();
         let (handle, host) = match block.storage {
             Storage::Uniform => {
-                let host = self.make(&ty, Layout::Uniform, span)?;
+                let host = self.make(&ty, TypeLayout::Uniform, span)?;
                 (self.with_binding(&name, AddressSpace::Uniform, host), host)
             }
             Storage::Buffer => {
@@ -419,11 +419,11 @@ impl<'s> Build<'s> {
     fn storage(&mut self, ty: &Type, span: Span) -> Result<Handle<naga::Type>> {
         match ty {
             Type::Array(element, ArraySize::Known(n)) if matches!(**element, Type::Struct(_)) => {
-                let base = self.make(element, Layout::Storage, span)?;
+                let base = self.make(element, TypeLayout::Storage, span)?;
                 let size = std::num::NonZeroU32::new(*n).map_or(naga::ArraySize::Dynamic, naga::ArraySize::Constant);
                 Ok(self.insert(None, TypeInner::BindingArray { base, size }))
             }
-            _ => self.make(ty, Layout::Storage, span),
+            _ => self.make(ty, TypeLayout::Storage, span),
         }
     }
 
@@ -561,7 +561,7 @@ impl Fun<'_, '_> {
                 let base = self.add(Expression::GlobalVariable(handle));
                 let ptr = self.add(Expression::AccessIndex { base, index });
                 let ty = self.build.sized(&ty, host);
-                Var::Place(Place { ptr, ty, host, swizzle: None })
+                Var::Place(Lvalue { ptr, ty, host, swizzle: None })
             }
             Global::Constant { value, ty } => {
                 // A constant means the same everywhere: names in it are at file scope.
@@ -577,10 +577,10 @@ impl Fun<'_, '_> {
         }))
     }
 
-    pub(super) fn whole(&mut self, handle: Handle<GlobalVariable>, ty: Type) -> Place {
+    pub(super) fn whole(&mut self, handle: Handle<GlobalVariable>, ty: Type) -> Lvalue {
         let host = self.build.module.global_variables[handle].ty;
         let ptr = self.add(Expression::GlobalVariable(handle));
-        Place { ptr, ty, host, swizzle: None }
+        Lvalue { ptr, ty, host, swizzle: None }
     }
 
     /// A built-in variable that the text does not name.

@@ -39,7 +39,7 @@ pub(super) struct Outgoing {
 }
 
 /// A value that the harness feeds or reads word by word.
-pub(super) struct Part {
+pub(super) struct PortPart {
     pub name: String,
     pub path: Vec<u32>,
     pub ty: Type,
@@ -110,9 +110,9 @@ fn closed(ty: &Type) -> Type {
 }
 
 /// The largest parts of a value that are fed word by word; others are named in `unfed`.
-pub(super) fn parts(name: &str, ty: &Type, path: &[u32], found: &mut Vec<Part>, unfed: &mut Vec<String>) {
+pub(super) fn parts(name: &str, ty: &Type, path: &[u32], found: &mut Vec<PortPart>, unfed: &mut Vec<String>) {
     if ty.shape().is_some() {
-        found.push(Part { name: name.to_owned(), path: path.to_vec(), ty: ty.clone() });
+        found.push(PortPart { name: name.to_owned(), path: path.to_vec(), ty: ty.clone() });
         return;
     }
     let step = |k: usize| [path, &[u32::try_from(k).unwrap_or(0)]].concat();
@@ -393,7 +393,7 @@ impl<'s> Build<'s> {
     ) {
         let (mut found, mut unfed) = (Vec::new(), Vec::new());
         parts(name, ty, &[], &mut found, &mut unfed);
-        let shaped = |part: Part| part.ty.shape().map(|shape| (part.name, part.path, shape));
+        let shaped = |part: PortPart| part.ty.shape().map(|shape| (part.name, part.path, shape));
         let message = "memory that is written or read by index cannot be fed or read".to_owned();
         let reported = Diagnostic::new(UNSUPPORTED, Severity::Error, self.shader.file(), span, message);
         self.ports.memory.push(Memory {

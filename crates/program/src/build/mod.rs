@@ -99,14 +99,14 @@ struct Build<'s> {
     wide_bytes: bool,
     /// Types for which that was done.
     widened: Vec<String>,
-    made: Made,
+    made: MadeNames,
     ports: Ports,
     leaving: Leaving,
 }
 
 /// What was made of the names of the text.
 #[derive(Default)]
-struct Made {
+struct MadeNames {
     globals: HashMap<SymbolId, global::Global>,
     /// Symbols by place and name of their declaration.
     by_place: HashMap<(usize, String), Vec<SymbolId>>,
@@ -116,7 +116,7 @@ struct Made {
     emission: HashMap<String, Handle<Function>>,
     textures: HashMap<String, texture::Texture>,
     /// Counters, textures and images that are buffers.
-    buffers: HashMap<String, buffer::Buffer>,
+    buffers: HashMap<String, buffer::TexelBuffer>,
     /// Built-in variables that the text does not name.
     unnamed: HashMap<String, Handle<GlobalVariable>>,
     /// Initialisers of constants in functions.
@@ -201,7 +201,7 @@ fn one(
         workgroup: workgroup(shader)?,
         wide_bytes: shader.defines().iter().any(|(name, _)| name == WIDE_BYTES),
         widened: Vec::new(),
-        made: Made::default(),
+        made: MadeNames::default(),
         ports: Ports::default(),
         leaving: Leaving::default(),
     };

@@ -19,7 +19,7 @@ use syntax::types::{ScalarType, Type};
 #[derive(Clone, Debug)]
 pub(super) enum Var {
     /// A place in memory.
-    Place(Place),
+    Place(Lvalue),
     /// A value that is never written.
     Value(Val),
     /// A sampler or image, or a structure with one inside.
@@ -28,7 +28,7 @@ pub(super) enum Var {
 
 /// A place in memory.
 #[derive(Clone, Debug)]
-pub(super) struct Place {
+pub(super) struct Lvalue {
     pub ptr: Expr,
     /// Type of the value in GLSL, with the swizzle taken.
     pub ty: Type,
@@ -45,7 +45,7 @@ pub(super) fn components(field: &str) -> Option<Vec<u8>> {
 
 impl Fun<'_, '_> {
     /// The place that an expression names; none when it is a value.
-    pub(super) fn place(&mut self, id: ExprId) -> Result<Option<Place>> {
+    pub(super) fn place(&mut self, id: ExprId) -> Result<Option<Lvalue>> {
         let expr = self.shader.expr(id);
         let found = match &expr.kind {
             ExprKind::Name(name) => match self.variable(id, name, expr.span)? {
@@ -78,7 +78,7 @@ impl Fun<'_, '_> {
     }
 
     /// The place that an expression names, which must be one.
-    pub(super) fn target(&mut self, id: ExprId) -> Result<Place> {
+    pub(super) fn target(&mut self, id: ExprId) -> Result<Lvalue> {
         // `(a = b).x = c` and the like are no part of GLSL.
         match self.place(id)? {
             Some(place) => Ok(place),
@@ -113,7 +113,7 @@ impl Fun<'_, '_> {
     }
 
     /// A member or components of a place.
-    pub(super) fn field(&mut self, place: Place, name: &str, span: Span) -> Result<Option<Place>> {
+    pub(super) fn field(&mut self, place: Lvalue, name: &str, span: Span) -> Result<Option<Lvalue>> {
         match &place.ty {
             Type::Struct(s) => {
                 let Some((index, field)) =
@@ -124,7 +124,7 @@ impl Fun<'_, '_> {
                 let host = self.build.members(place.host)[index as usize];
                 let ty = self.build.sized(&field, host);
                 let ptr = self.add(Expression::AccessIndex { base: place.ptr, index });
-                Ok(Some(Place { ptr, ty, host, swizzle: None }))
+                Ok(Some(Lvalue { ptr, ty, host, swizzle: None }))
             }
             Type::Vector(scalar, _) => {
                 let Some(mut picked) = components(name) else { return Ok(None) };
@@ -140,17 +140,17 @@ impl Fun<'_, '_> {
     }
 
     /// Components of a vector; one alone is a place of its own.
-    fn components(&mut self, place: Place, ty: Type, picked: Vec<u8>) -> Place {
+    fn components(&mut self, place: Lvalue, ty: Type, picked: Vec<u8>) -> Lvalue {
         let [only] = picked[..] else {
-            return Place { ty, swizzle: Some(picked), ..place };
+            return Lvalue { ty, swizzle: Some(picked), ..place };
         };
         let host = self.build.element(place.host);
         let ptr = self.add(Expression::AccessIndex { base: place.ptr, index: u32::from(only) });
-        Place { ptr, ty, host, swizzle: None }
+        Lvalue { ptr, ty, host, swizzle: None }
     }
 
     /// An element, column or component of a place.
-    fn index(&mut self, place: Place, index: ExprId) -> Result<Option<Place>> {
+    fn index(&mut self, place: Lvalue, index: ExprId) -> Result<Option<Lvalue>> {
         let Some(ty) = place.ty.indexed() else { return Ok(None) };
         let at = self.shader.expr(index).span;
         if let Some(k) = self.constant_index(index) {
@@ -163,7 +163,7 @@ impl Fun<'_, '_> {
             }
             let host = self.build.element(place.host);
             let ptr = self.add(Expression::AccessIndex { base: place.ptr, index: k });
-            return Ok(Some(Place { ptr, ty, host, swizzle: None }));
+            return Ok(Some(Lvalue { ptr, ty, host, swizzle: None }));
         }
         if place.swizzle.is_some() {
             return Ok(None);
@@ -171,7 +171,7 @@ impl Fun<'_, '_> {
         let index = self.expression(index)?.e;
         let host = self.build.element(place.host);
         let ptr = self.add(Expression::Access { base: place.ptr, index });
-        Ok(Some(Place { ptr, ty, host, swizzle: None }))
+        Ok(Some(Lvalue { ptr, ty, host, swizzle: None }))
     }
 
     fn out_of_bounds(&self, k: u32, span: Span) -> Box<Diagnostic> {
@@ -187,7 +187,7 @@ impl Fun<'_, '_> {
         self.shader.fold(index)?.as_integer().and_then(|n| u32::try_from(n).ok())
     }
 
-    pub(super) fn load(&mut self, place: &Place) -> Result<Val> {
+    pub(super) fn load(&mut self, place: &Lvalue) -> Result<Val> {
         if let Some(parts) = self.parts_with_atomics(place)? {
             let ty = self.ty(&place.ty)?;
             let components = parts.iter().map(|part| Ok(self.load(part)?.e)).collect::<Result<_>>()?;
@@ -211,14 +211,14 @@ impl Fun<'_, '_> {
     }
 
     /// The parts of a structure or array that holds atomic integers: it is no value, but each of them is one.
-    fn parts_with_atomics(&mut self, place: &Place) -> Result<Option<Vec<Place>>> {
+    fn parts_with_atomics(&mut self, place: &Lvalue) -> Result<Option<Vec<Lvalue>>> {
         if self.build.is_atomic(place.host) || !self.build.holds_atomics(place.host) {
             return Ok(None);
         }
         let parts = self.parts_of(place.host, &place.ty)?;
         let part = |(index, (host, ty)): (u32, (Handle<NagaType>, Type))| {
             let ptr = self.add(Expression::AccessIndex { base: place.ptr, index });
-            Place { ptr, ty, host, swizzle: None }
+            Lvalue { ptr, ty, host, swizzle: None }
         };
         Ok(Some((0..).zip(parts).map(part).collect()))
     }
@@ -233,7 +233,7 @@ impl Fun<'_, '_> {
     }
 
     /// Writes a value of the place's type.
-    pub(super) fn store(&mut self, place: &Place, value: &Val) -> Result<()> {
+    pub(super) fn store(&mut self, place: &Lvalue, value: &Val) -> Result<()> {
         if let Some(parts) = self.parts_with_atomics(place)? {
             for (k, part) in (0..).zip(parts) {
                 let e = self.part(value.e, k);
@@ -354,7 +354,7 @@ impl Fun<'_, '_> {
     }
 
     /// A value in a variable of its own, so that a computed index can reach into it.
-    pub(super) fn spill(&mut self, value: &Val) -> Result<Place> {
+    pub(super) fn spill(&mut self, value: &Val) -> Result<Lvalue> {
         let place = self.local("sc_value", &value.ty)?;
         self.store(&place, value)?;
         Ok(place)

@@ -29,11 +29,11 @@ pub(super) struct Shared {
 struct Vector {
     binding: Binding,
     scalar: ScalarType,
-    pieces: Vec<Piece>,
+    pieces: Vec<SharedPiece>,
 }
 
 #[derive(Clone, Debug)]
-struct Piece {
+struct SharedPiece {
     variable: Handle<GlobalVariable>,
     path: Vec<u32>,
     ty: Type,
@@ -116,7 +116,7 @@ impl Build<'_> {
             let binding = self.location(&ty, location, input, qualifiers);
             let all = if input { &mut self.ports.shared.inputs } else { &mut self.ports.shared.outputs };
             let vector = all.entry(location).or_insert(Vector { binding, scalar, pieces: Vec::new() });
-            vector.pieces.push(Piece { variable, path, ty, first: component });
+            vector.pieces.push(SharedPiece { variable, path, ty, first: component });
         }
         Ok(())
     }
@@ -135,7 +135,7 @@ impl Build<'_> {
 }
 
 impl Fun<'_, '_> {
-    fn piece(&mut self, piece: &Piece) -> naga::Handle<Expression> {
+    fn piece(&mut self, piece: &SharedPiece) -> naga::Handle<Expression> {
         let mut pointer = self.add(Expression::GlobalVariable(piece.variable));
         for &index in &piece.path {
             pointer = self.add(Expression::AccessIndex { base: pointer, index });

@@ -9,7 +9,7 @@ use naga::{
 
 use super::function::{Fun, Val};
 use super::image::{ImageLayout, sized_format, storage_format};
-use super::place::{Place, Var};
+use super::place::{Lvalue, Var};
 use super::{Build, Expr, Result};
 use crate::texture::{Image, TextureKind};
 use crate::{Texture as Supplied, binding};
@@ -187,7 +187,7 @@ impl Fun<'_, '_> {
     }
 
     /// The numbers of a structure with samplers, in this function.
-    pub(super) fn data_place(&mut self, opaque: &Opaque) -> Option<Place> {
+    pub(super) fn data_place(&mut self, opaque: &Opaque) -> Option<Lvalue> {
         let data = opaque.data.as_ref()?;
         let mut place = self.whole(data.variable, opaque.ty.clone());
         for &index in &data.path {

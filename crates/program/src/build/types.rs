@@ -8,7 +8,7 @@ use syntax::types::{ArraySize, ScalarType, StructType, Type};
 
 /// What a type is laid out for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Layout {
+pub(super) enum TypeLayout {
     /// A value, or a variable that no host sees.
     Value,
     /// A uniform: arrays in steps of 16 bytes, no `bool`.
@@ -48,18 +48,18 @@ impl Build<'_> {
 
     /// The type of values.
     pub(super) fn value_type(&mut self, ty: &Type, span: Span) -> Result<Handle<NagaType>> {
-        self.make(ty, Layout::Value, span)
+        self.make(ty, TypeLayout::Value, span)
     }
 
     /// The type in a layout. Samplers inside of structures are left out: they lie elsewhere.
-    pub(super) fn make(&mut self, ty: &Type, layout: Layout, span: Span) -> Result<Handle<NagaType>> {
+    pub(super) fn make(&mut self, ty: &Type, layout: TypeLayout, span: Span) -> Result<Handle<NagaType>> {
         let number = |s: ScalarType| match (s, layout) {
-            (ScalarType::Bool, Layout::Uniform | Layout::Storage) => Scalar::U32,
-            (ScalarType::Int16, Layout::Uniform | Layout::Storage) => Scalar::I16,
-            (ScalarType::Uint16, Layout::Uniform | Layout::Storage) => Scalar::U16,
+            (ScalarType::Bool, TypeLayout::Uniform | TypeLayout::Storage) => Scalar::U32,
+            (ScalarType::Int16, TypeLayout::Uniform | TypeLayout::Storage) => Scalar::I16,
+            (ScalarType::Uint16, TypeLayout::Uniform | TypeLayout::Storage) => Scalar::U16,
             _ => scalar(s),
         };
-        if layout != Layout::Value
+        if layout != TypeLayout::Value
             && let Some(byte) = ty.scalar().filter(|s| s.bits() == 8)
         {
             // naga has no numbers of 8 bits. Where that is told, they take the place of those of 32.
@@ -79,7 +79,7 @@ impl Build<'_> {
                 let base = self.make(element, layout, span)?;
                 let length = match length {
                     ArraySize::Known(n) => std::num::NonZeroU32::new(*n).map(Length::Constant),
-                    ArraySize::Unsized if layout == Layout::Storage => Some(Length::Dynamic),
+                    ArraySize::Unsized if layout == TypeLayout::Storage => Some(Length::Dynamic),
                     ArraySize::Unsized | ArraySize::Unknown => None,
                 };
                 let Some(size) = length else {
@@ -90,7 +90,7 @@ impl Build<'_> {
                     ));
                 };
                 let (bytes, align) = self.layout_of(base, span)?;
-                let align = if layout == Layout::Uniform { align.max(16) } else { align };
+                let align = if layout == TypeLayout::Uniform { align.max(16) } else { align };
                 TypeInner::Array { base, size, stride: bytes.next_multiple_of(align) }
             }
             Type::Struct(s) => return self.structure(s, layout, span),
@@ -105,13 +105,13 @@ impl Build<'_> {
         Ok(self.insert(None, inner))
     }
 
-    fn structure(&mut self, ty: &StructType, layout: Layout, span: Span) -> Result<Handle<NagaType>> {
+    fn structure(&mut self, ty: &StructType, layout: TypeLayout, span: Span) -> Result<Handle<NagaType>> {
         let mut members = Vec::new();
-        let (mut at, mut most) = (0_u32, if layout == Layout::Uniform { 16 } else { 1 });
+        let (mut at, mut most) = (0_u32, if layout == TypeLayout::Uniform { 16 } else { 1 });
         for field in ty.fields.iter().filter(|f| !f.ty.contains_opaque() || has_data(&f.ty)) {
             let member = self.make(&field.ty, layout, span)?;
             let (bytes, mut align) = self.layout_of(member, span)?;
-            if layout == Layout::Uniform && matches!(field.ty, Type::Array(..) | Type::Struct(_)) {
+            if layout == TypeLayout::Uniform && matches!(field.ty, Type::Array(..) | Type::Struct(_)) {
                 align = align.max(16);
             }
             at = at.next_multiple_of(align);

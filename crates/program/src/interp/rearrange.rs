@@ -53,7 +53,7 @@ impl Executable {
         let mut draft = (*self.draft).clone();
         let mut uses = HashMap::new();
         count(&mut draft.body, &mut uses);
-        let mut pass = Pass { laws, choose, uses, next: draft.temporaries };
+        let mut pass = Rearrangement { laws, choose, uses, next: draft.temporaries };
         pass.block(&mut draft.body);
         draft.temporaries = pass.next;
         self.clone().with_body(draft)
@@ -105,14 +105,14 @@ fn is_control(inst: &Inst) -> bool {
 
 /// A sum of products of sums …
 #[derive(Clone, Debug, PartialEq)]
-enum Node {
+enum SumNode {
     Leaf(Reg),
     /// Terms; true for those that are subtracted.
-    Sum(Vec<(bool, Node)>, Site),
-    Product(Vec<Node>, Site),
+    Sum(Vec<(bool, SumNode)>, Site),
+    Product(Vec<SumNode>, Site),
 }
 
-impl Node {
+impl SumNode {
     /// Operations that it takes.
     fn operations(&self) -> usize {
         match self {
@@ -124,7 +124,7 @@ impl Node {
 }
 
 /// Instructions without control between them.
-struct Run {
+struct InstRun {
     insts: Vec<Inst>,
     /// Where each temporary that one of the operations gives comes from.
     made: HashMap<Reg, usize>,
@@ -134,14 +134,14 @@ struct Run {
     absorbed: Vec<bool>,
 }
 
-struct Pass<'c> {
+struct Rearrangement<'c> {
     laws: Laws,
     choose: &'c mut dyn FnMut(usize) -> usize,
     uses: HashMap<Reg, usize>,
     next: Reg,
 }
 
-impl Pass<'_> {
+impl Rearrangement<'_> {
     fn block(&mut self, body: &mut Vec<Inst>) {
         let mut run = Vec::new();
         for mut inst in take(body) {
@@ -158,7 +158,7 @@ impl Pass<'_> {
 
     /// Rearranges a run and adds it to `body`.
     fn rewrite(&mut self, insts: Vec<Inst>, body: &mut Vec<Inst>) {
-        let mut run = Run::new(insts);
+        let mut run = InstRun::new(insts);
         let mut replaced: Vec<Option<Vec<Inst>>> = vec![None; run.insts.len()];
         for at in (0..run.insts.len()).rev() {
             if run.absorbed[at] || result_of(&run.insts[at]).is_none() || is_precise(&run.insts[at]) {
@@ -183,7 +183,7 @@ impl Pass<'_> {
 
     /// The operation at `at` with the operations that only it needs, and whether to negate it all. Its
     /// leaves will be read at `root`.
-    fn tree(&self, run: &mut Run, at: usize, root: usize, room: &mut usize) -> (bool, Node) {
+    fn tree(&self, run: &mut InstRun, at: usize, root: usize, room: &mut usize) -> (bool, SumNode) {
         match run.insts[at] {
             Inst::Real1 { a, .. } => {
                 let (negative, node) = self.operand(run, a, root, room);
@@ -196,11 +196,11 @@ impl Pass<'_> {
                     let (minus, node) = self.operand(run, reg, root, room);
                     negative ^= minus;
                     match node {
-                        Node::Product(inner, _) => factors.extend(inner),
+                        SumNode::Product(inner, _) => factors.extend(inner),
                         node => factors.push(node),
                     }
                 }
-                (negative, Node::Product(factors, site))
+                (negative, SumNode::Product(factors, site))
             }
             Inst::Real2 { op, a, b, site, .. } => {
                 let mut terms = Vec::new();
@@ -208,62 +208,62 @@ impl Pass<'_> {
                     let (negative, node) = self.operand(run, reg, root, room);
                     add_term(&mut terms, negative ^ minus, node);
                 }
-                (false, Node::Sum(terms, site))
+                (false, SumNode::Sum(terms, site))
             }
             // Not reached: `made` names none of these.
-            ref other => (false, Node::Leaf(result_of(other).unwrap_or_default())),
+            ref other => (false, SumNode::Leaf(result_of(other).unwrap_or_default())),
         }
     }
 
-    fn operand(&self, run: &mut Run, reg: Reg, root: usize, room: &mut usize) -> (bool, Node) {
+    fn operand(&self, run: &mut InstRun, reg: Reg, root: usize, room: &mut usize) -> (bool, SumNode) {
         match run.made.get(&reg) {
             Some(&at) if *room > 0 && self.uses.get(&reg) == Some(&1) && run.can_move(at, root) => {
                 run.absorbed[at] = true;
                 *room -= 1;
                 self.tree(run, at, root, room)
             }
-            _ => (false, Node::Leaf(reg)),
+            _ => (false, SumNode::Leaf(reg)),
         }
     }
 
     /// The same value by the laws of distribution, where they are allowed.
-    fn shaken(&mut self, node: Node) -> Node {
+    fn shaken(&mut self, node: SumNode) -> SumNode {
         if self.laws == Laws::Order {
             return node;
         }
         match node {
-            Node::Leaf(_) => node,
-            Node::Sum(old, site) => {
+            SumNode::Leaf(_) => node,
+            SumNode::Sum(old, site) => {
                 let mut terms = Vec::new();
                 for (minus, term) in old {
                     add_term(&mut terms, minus, self.shaken(term));
                 }
                 self.factored(terms, site)
             }
-            Node::Product(factors, site) => {
-                let mut factors: Vec<Node> = factors.into_iter().map(|factor| self.shaken(factor)).collect();
-                let sums: Vec<usize> = (0..factors.len()).filter(|&k| matches!(factors[k], Node::Sum(..))).collect();
+            SumNode::Product(factors, site) => {
+                let mut factors: Vec<SumNode> = factors.into_iter().map(|factor| self.shaken(factor)).collect();
+                let sums: Vec<usize> = (0..factors.len()).filter(|&k| matches!(factors[k], SumNode::Sum(..))).collect();
                 if sums.is_empty() || (self.choose)(2) == 0 {
-                    return Node::Product(factors, site);
+                    return SumNode::Product(factors, site);
                 }
                 let chosen = sums[(self.choose)(sums.len())];
                 let others: usize = factors.iter().map(|factor| 1 + factor.operations()).sum();
                 match factors.swap_remove(chosen) {
                     // Each term gets its own copy of the other factors.
-                    Node::Sum(terms, sum_site) if terms.len() * others <= MAX_DISTRIBUTED => {
+                    SumNode::Sum(terms, sum_site) if terms.len() * others <= MAX_DISTRIBUTED => {
                         let product = |(minus, term)| {
                             let mut all = factors.clone();
                             match term {
-                                Node::Product(inner, _) => all.extend(inner),
+                                SumNode::Product(inner, _) => all.extend(inner),
                                 term => all.push(term),
                             }
-                            (minus, Node::Product(all, site))
+                            (minus, SumNode::Product(all, site))
                         };
-                        Node::Sum(terms.into_iter().map(product).collect(), sum_site)
+                        SumNode::Sum(terms.into_iter().map(product).collect(), sum_site)
                     }
                     factor => {
                         factors.push(factor);
-                        Node::Product(factors, site)
+                        SumNode::Product(factors, site)
                     }
                 }
             }
@@ -271,7 +271,7 @@ impl Pass<'_> {
     }
 
     /// A sum in which two products with a common factor may have become one.
-    fn factored(&mut self, mut terms: Vec<(bool, Node)>, site: Site) -> Node {
+    fn factored(&mut self, mut terms: Vec<(bool, SumNode)>, site: Site) -> SumNode {
         let pairs = (0..terms.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
         let common: Vec<(usize, usize, Reg)> =
             pairs.filter_map(|(i, j)| Some((i, j, common_factor(&terms[i].1, &terms[j].1)?))).collect();
@@ -280,20 +280,20 @@ impl Pass<'_> {
             // `j` is the greater.
             let (second, first) = (terms.swap_remove(j), terms.swap_remove(i));
             let rest = |(minus, node)| (minus, without(node, factor));
-            let sum = Node::Sum(vec![rest(first), rest(second)], site);
-            terms.push((false, Node::Product(vec![Node::Leaf(factor), sum], site)));
+            let sum = SumNode::Sum(vec![rest(first), rest(second)], site);
+            terms.push((false, SumNode::Product(vec![SumNode::Leaf(factor), sum], site)));
         }
         match terms.pop() {
             Some((false, only)) if terms.is_empty() => only,
             last => {
                 terms.extend(last);
-                Node::Sum(terms, site)
+                SumNode::Sum(terms, site)
             }
         }
     }
 
     /// Instructions that give the value to what `root` gave it to.
-    fn emitted(&mut self, root: &Inst, negative: bool, tree: &Node) -> Vec<Inst> {
+    fn emitted(&mut self, root: &Inst, negative: bool, tree: &SumNode) -> Vec<Inst> {
         let (Some(to), Inst::Real1 { site, .. } | Inst::Real2 { site, .. }) = (result_of(root), root) else {
             return vec![root.clone()];
         };
@@ -308,17 +308,17 @@ impl Pass<'_> {
     }
 
     /// Gives the register of the value, and whether it has to be negated.
-    fn emit(&mut self, node: &Node, code: &mut Vec<Inst>) -> (bool, Reg) {
+    fn emit(&mut self, node: &SumNode, code: &mut Vec<Inst>) -> (bool, Reg) {
         let (mut parts, product, site) = match node {
-            Node::Leaf(reg) => return (false, *reg),
-            Node::Sum(terms, site) => {
-                let part = |(minus, term): &(bool, Node)| {
+            SumNode::Leaf(reg) => return (false, *reg),
+            SumNode::Sum(terms, site) => {
+                let part = |(minus, term): &(bool, SumNode)| {
                     let (negative, reg) = self.emit(term, code);
                     (minus ^ negative, reg)
                 };
                 (terms.iter().map(part).collect::<Vec<_>>(), false, *site)
             }
-            Node::Product(factors, site) => {
+            SumNode::Product(factors, site) => {
                 (factors.iter().map(|factor| self.emit(factor, code)).collect::<Vec<_>>(), true, *site)
             }
         };
@@ -342,7 +342,7 @@ impl Pass<'_> {
     }
 }
 
-impl Run {
+impl InstRun {
     fn new(mut insts: Vec<Inst>) -> Self {
         let mut made = HashMap::new();
         let mut stored: HashMap<Reg, Vec<usize>> = HashMap::new();
@@ -386,33 +386,33 @@ fn is_precise(inst: &Inst) -> bool {
 }
 
 /// Adds a term; the terms of a sum one by one.
-fn add_term(terms: &mut Vec<(bool, Node)>, minus: bool, node: Node) {
+fn add_term(terms: &mut Vec<(bool, SumNode)>, minus: bool, node: SumNode) {
     match node {
-        Node::Sum(inner, _) => terms.extend(inner.into_iter().map(|(negative, term)| (negative ^ minus, term))),
+        SumNode::Sum(inner, _) => terms.extend(inner.into_iter().map(|(negative, term)| (negative ^ minus, term))),
         node => terms.push((minus, node)),
     }
 }
 
 /// A leaf that both products have, if something else is left of each of them.
-fn common_factor(a: &Node, b: &Node) -> Option<Reg> {
-    let (Node::Product(a, _), Node::Product(b, _)) = (a, b) else { return None };
+fn common_factor(a: &SumNode, b: &SumNode) -> Option<Reg> {
+    let (SumNode::Product(a, _), SumNode::Product(b, _)) = (a, b) else { return None };
     a.iter().find_map(|factor| match factor {
-        Node::Leaf(reg) if a.len() > 1 && b.len() > 1 && b.contains(factor) => Some(*reg),
+        SumNode::Leaf(reg) if a.len() > 1 && b.len() > 1 && b.contains(factor) => Some(*reg),
         _ => None,
     })
 }
 
 /// A product without one of its factors.
-fn without(node: Node, factor: Reg) -> Node {
-    let Node::Product(mut factors, site) = node else { return node };
-    if let Some(k) = factors.iter().position(|f| *f == Node::Leaf(factor)) {
+fn without(node: SumNode, factor: Reg) -> SumNode {
+    let SumNode::Product(mut factors, site) = node else { return node };
+    if let Some(k) = factors.iter().position(|f| *f == SumNode::Leaf(factor)) {
         factors.remove(k);
     }
     match factors.pop() {
         Some(only) if factors.is_empty() => only,
         last => {
             factors.extend(last);
-            Node::Product(factors, site)
+            SumNode::Product(factors, site)
         }
     }
 }

@@ -53,11 +53,11 @@ pub(super) struct Probe {
     pub round: usize,
     /// The operation whose value is replaced; all of them without one.
     only: Option<(HazardKind, Site)>,
-    events: Vec<Event>,
+    events: Vec<UndefinedEvent>,
 }
 
 #[derive(Debug)]
-struct Event {
+struct UndefinedEvent {
     of: Undefined,
     slots: Mask,
     args: Vec<f64>,
@@ -160,7 +160,7 @@ impl<D: Domain> Machine<'_, D> {
         let Some(probe) = &mut self.probe else { return };
         match probe.events.iter_mut().find(|event| event.of == of) {
             Some(event) => event.slots = event.slots.or(slots),
-            None => probe.events.push(Event { of, slots, args }),
+            None => probe.events.push(UndefinedEvent { of, slots, args }),
         }
     }
 
@@ -207,7 +207,7 @@ impl<D: Domain> Machine<'_, D> {
 }
 
 /// All that came out of a chunk, slot by slot, to be compared.
-type Outcome = Vec<Vec<u64>>;
+type ChunkOutcome = Vec<Vec<u64>>;
 
 impl Machine<'_, Binary64> {
     /// For each of some invocations, at most [`SLOTS`], the undefined value that an output depends on. `any` tries NaN
@@ -225,7 +225,7 @@ impl Machine<'_, Binary64> {
         let depends = self.changed(batch, invocations, (&before, rounds), candidates, None);
         let mut found: Vec<Option<Dependence>> = vec![None; slots];
         let mut rest = depends;
-        let of = |event: &Event| Dependence { of: event.of, args: event.args.clone() };
+        let of = |event: &UndefinedEvent| Dependence { of: event.of, args: event.args.clone() };
         // Where a slot came upon several, the first that matters alone is named.
         for event in events.iter().take(ALONE) {
             let others = events.iter().filter(|other| other.of != event.of);
@@ -273,7 +273,7 @@ impl Machine<'_, Binary64> {
         &mut self,
         batch: &Batch,
         invocations: &[usize],
-        (before, rounds): (&Outcome, usize),
+        (before, rounds): (&ChunkOutcome, usize),
         mut rest: Mask,
         only: Option<(HazardKind, Site)>,
     ) -> Mask {
@@ -293,13 +293,13 @@ impl Machine<'_, Binary64> {
         changed
     }
 
-    fn outcome(&self, slots: usize) -> Outcome {
+    fn outcome(&self, slots: usize) -> ChunkOutcome {
         let flags = |slot: usize| {
             let flags = self.flags()[slot];
             u64::from(flags.has(HazardKind::Fuel)) | u64::from(flags.has(HazardKind::Killed)) << 1
         };
         let shape = |slot: usize| [flags(slot), u64::from(self.emitted()[slot]), u64::from(self.ended()[slot])];
-        let mut all: Outcome = (0..slots).map(|slot| shape(slot).to_vec()).collect();
+        let mut all: ChunkOutcome = (0..slots).map(|slot| shape(slot).to_vec()).collect();
         for vertex in 0..self.room() {
             for word in 0..self.width() {
                 let column = self.output(vertex, word);

@@ -1,11 +1,11 @@
 //! Declarations of global variables, rewritten one declarator at a time.
 
-use super::Work;
+use super::Lowering;
 use base::text::{Edit, Span};
 use base::value::Shape;
 use syntax::interface;
 
-impl Work<'_> {
+impl Lowering<'_> {
     /// The shape of a variable; `None` with a refusal for what is no number, vector, matrix or array of them.
     pub(super) fn shape_of(&mut self, variable: &interface::Variable, kind: &str) -> Option<Shape> {
         let shape = variable.ty.shape();

@@ -5,14 +5,14 @@
 
 use std::fmt::Write as _;
 
-use super::Work;
+use super::Lowering;
 use super::declaration::by_declaration;
 use super::stage::built_in_outputs;
 use base::text::{Edit, Span};
 use syntax::ast::{Callee, ExprKind};
 use syntax::interface::Storage;
 
-pub(super) fn lower(work: &mut Work<'_>) {
+pub(super) fn lower(work: &mut Lowering<'_>) {
     let shader = work.shader;
     let layout = &shader.interface().geometry;
     if let Some(invocations) = layout.invocations.filter(|i| i.value > 1) {
@@ -37,7 +37,7 @@ pub(super) fn lower(work: &mut Work<'_>) {
 }
 
 /// `gl_in` and `gl_PrimitiveIDIn`, when they are read.
-fn built_in_inputs(work: &mut Work<'_>, vertices: u32) {
+fn built_in_inputs(work: &mut Lowering<'_>, vertices: u32) {
     let shader = work.shader;
     if shader.builtin("gl_PrimitiveIDIn").is_some() {
         work.preamble.push_str("int gl_PrimitiveIDIn;\n");
@@ -55,7 +55,7 @@ fn built_in_inputs(work: &mut Work<'_>, vertices: u32) {
 }
 
 /// Inputs or outputs as plain global variables.
-fn plain(work: &mut Work<'_>, input: bool, vertices: u32) {
+fn plain(work: &mut Lowering<'_>, input: bool, vertices: u32) {
     let interface = work.shader.interface();
     let variables = if input { &interface.inputs } else { &interface.outputs };
     for group in by_declaration(variables) {
@@ -78,7 +78,7 @@ fn plain(work: &mut Work<'_>, input: bool, vertices: u32) {
 }
 
 /// Vertex streams other than the first have no record.
-fn refuse_streams(work: &mut Work<'_>) {
+fn refuse_streams(work: &mut Lowering<'_>) {
     let shader = work.shader;
     for (_, expr) in shader.arena().iter() {
         if let ExprKind::Call { callee: Callee::Name(name), .. } = &expr.kind

@@ -1,14 +1,14 @@
 //! Constructs that naga's GLSL front end is known to accept and get wrong. They do not reach it: every author who uses
 //! them would be told about the same defects of naga again.
 
-use super::Work;
+use super::Lowering;
 use syntax::BuiltinFunction as F;
 use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind, UnaryOp};
 use syntax::interface::Storage;
 use syntax::symbols::{CallTarget, Direction, FunctionId, SymbolKind};
 use syntax::{Fit, Shader};
 
-pub(super) fn check(work: &mut Work<'_>) {
+pub(super) fn check(work: &mut Lowering<'_>) {
     global_initializers(work);
     short_circuits(work);
     constructors(work);
@@ -17,7 +17,7 @@ pub(super) fn check(work: &mut Work<'_>) {
 
 /// naga passes `out` parameters by reference: one that the function does not write keeps what the argument held, and
 /// two that are one variable are one inside of the function. GLSL copies them back (4.60, 6.1.1).
-fn out_arguments(work: &mut Work<'_>) {
+fn out_arguments(work: &mut Lowering<'_>) {
     let shader = work.shader;
     for (id, expr) in shader.arena().iter() {
         if let Some(CallTarget::User(function)) = shader.callee(id)
@@ -30,7 +30,7 @@ fn out_arguments(work: &mut Work<'_>) {
 }
 
 /// naga drops the initialiser of a global variable when it is not constant: the variable is then 0.
-fn global_initializers(work: &mut Work<'_>) {
+fn global_initializers(work: &mut Lowering<'_>) {
     let shader = work.shader;
     for global in shader.interface().globals.iter().chain(&shader.interface().constants) {
         let Some(value) = global.initializer else { continue };
@@ -62,7 +62,7 @@ fn is_constant(shader: &Shader, id: ExprId) -> bool {
 }
 
 /// naga evaluates both sides of `&&` and `||`: it shows when the right side does something.
-fn short_circuits(work: &mut Work<'_>) {
+fn short_circuits(work: &mut Lowering<'_>) {
     let shader = work.shader;
     for (_, expr) in shader.arena().iter() {
         if let ExprKind::Binary { op: op @ (BinaryOp::And | BinaryOp::Or), right, op_span, .. } = &expr.kind
@@ -115,7 +115,7 @@ fn function_has_effect(shader: &Shader, function: FunctionId, depth: u32) -> boo
 }
 
 /// naga takes constructors with arguments left over and drops these in silence.
-fn constructors(work: &mut Work<'_>) {
+fn constructors(work: &mut Lowering<'_>) {
     let shader = work.shader;
     for (id, expr) in shader.arena().iter() {
         let Some(constructor) = shader.constructor(id) else { continue };

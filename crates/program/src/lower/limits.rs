@@ -1,11 +1,11 @@
 //! Constructs that naga's GLSL front end does not have, or takes for something else.
 
-use super::Work;
+use super::Lowering;
 use syntax::ast::{BinaryOp, Callee, ExprKind};
 use syntax::symbols::{CallTarget, Direction};
 use syntax::types::Type;
 
-pub(super) fn check(work: &mut Work<'_>) {
+pub(super) fn check(work: &mut Lowering<'_>) {
     types(work);
     comparisons(work);
     references(work);
@@ -13,7 +13,7 @@ pub(super) fn check(work: &mut Work<'_>) {
 }
 
 /// naga reads `a[2][3]` as three arrays of two, and has no `double` without a feature of the device.
-fn types(work: &mut Work<'_>) {
+fn types(work: &mut Lowering<'_>) {
     let shader = work.shader;
     for (_, symbol) in shader.symbols() {
         let Some(span) = symbol.span else { continue };
@@ -39,7 +39,7 @@ fn is_double(ty: &Type) -> bool {
 }
 
 /// naga compares numbers and vectors alone.
-fn comparisons(work: &mut Work<'_>) {
+fn comparisons(work: &mut Lowering<'_>) {
     let shader = work.shader;
     for (_, expr) in shader.arena().iter() {
         if let ExprKind::Binary { op: op @ (BinaryOp::Equal | BinaryOp::NotEqual), left, op_span, .. } = &expr.kind {
@@ -55,7 +55,7 @@ fn comparisons(work: &mut Work<'_>) {
 }
 
 /// Only a whole variable can be passed by reference: neither SPIR-V nor WGSL takes a part of one.
-fn references(work: &mut Work<'_>) {
+fn references(work: &mut Lowering<'_>) {
     let shader = work.shader;
     for (id, expr) in shader.arena().iter() {
         let ExprKind::Call { callee: Callee::Name(name), args } = &expr.kind else { continue };
@@ -69,7 +69,7 @@ fn references(work: &mut Work<'_>) {
     }
 }
 
-fn clip_distances(work: &mut Work<'_>) {
+fn clip_distances(work: &mut Lowering<'_>) {
     let shader = work.shader;
     for name in ["gl_ClipDistance", "gl_CullDistance"] {
         let Some(symbol) = shader.builtin(name) else { continue };

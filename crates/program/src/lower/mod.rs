@@ -54,7 +54,7 @@ pub struct Refused {
 /// # Errors
 /// What stops it, in the order of the text.
 pub fn lower(shader: &Shader, target: &Target, places: &Places) -> Result<Edited, Vec<Refused>> {
-    let mut work = Work { shader, places, edits: EditList::new(), preamble: String::new(), refused: Vec::new() };
+    let mut work = Lowering { shader, places, edits: EditList::new(), preamble: String::new(), refused: Vec::new() };
     guard::check(&mut work);
     limits::check(&mut work);
     uniforms::lower(&mut work);
@@ -79,7 +79,7 @@ pub fn lower(shader: &Shader, target: &Target, places: &Places) -> Result<Edited
 }
 
 /// A lowering under way.
-struct Work<'s> {
+struct Lowering<'s> {
     shader: &'s Shader,
     places: &'s Places,
     edits: EditList,
@@ -88,7 +88,7 @@ struct Work<'s> {
     refused: Vec<Refused>,
 }
 
-impl Work<'_> {
+impl Lowering<'_> {
     fn refuse(&mut self, span: Span, why: impl Into<String>) {
         self.refused.push(Refused { span, why: why.into() });
     }

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::Work;
+use super::Lowering;
 use super::declaration::by_declaration;
 use base::text::Edit;
 use base::value::{Scalar, Shape};
@@ -10,7 +10,7 @@ use syntax::interface::{self, Storage};
 use syntax::{Shader, Stage, ast};
 
 /// Rewrites a vertex stage.
-pub(super) fn vertex(work: &mut Work<'_>) {
+pub(super) fn vertex(work: &mut Lowering<'_>) {
     let shader = work.shader;
     let places = work.places;
     located(work, &shader.interface().inputs, "in", places.inputs.as_ref());
@@ -27,7 +27,7 @@ pub(super) fn vertex(work: &mut Work<'_>) {
 
 /// Gives each variable its location and a declaration of its own.
 fn located(
-    work: &mut Work<'_>,
+    work: &mut Lowering<'_>,
     variables: &[interface::Variable],
     keyword: &str,
     places: Option<&HashMap<String, u32>>,
@@ -76,7 +76,7 @@ pub(super) fn built_in_outputs<'s>(shader: &'s Shader) -> impl Iterator<Item = (
 }
 
 /// A vertex stage need not write a position (GLSL 4.60, 7.1); naga wants one. It is not captured.
-fn start_position(work: &mut Work<'_>) {
+fn start_position(work: &mut Lowering<'_>) {
     let shader = work.shader;
     let body = shader.function("main").and_then(|f| shader.function_syntax(f)).and_then(|f| f.body.as_ref());
     if let Some(body) = body.filter(|b| shader.file().slice(b.span).starts_with('{')) {
@@ -85,7 +85,7 @@ fn start_position(work: &mut Work<'_>) {
 }
 
 /// Vulkan GLSL has other names for the vertex and instance number, and counts them without sign.
-fn rename_indices(work: &mut Work<'_>) {
+fn rename_indices(work: &mut Lowering<'_>) {
     let shader = work.shader;
     for (old, new) in [("gl_VertexID", "int(gl_VertexIndex)"), ("gl_InstanceID", "int(gl_InstanceIndex)")] {
         if shader.builtin(old).is_none() {
@@ -101,7 +101,7 @@ fn rename_indices(work: &mut Work<'_>) {
 
 /// `invariant gl_Position;` and the like promise the same value in several programs; the harness
 /// runs one program at a time, and naga does not read them.
-fn qualified_names(work: &mut Work<'_>) {
+fn qualified_names(work: &mut Lowering<'_>) {
     for item in &work.shader.unit().items {
         if matches!(item.kind, ast::ItemKind::Qualified(_)) {
             work.edits.push(Edit::delete(item.span));
@@ -110,7 +110,7 @@ fn qualified_names(work: &mut Work<'_>) {
 }
 
 /// Makes the text around a function one that naga reads: its `main` is not run.
-pub(super) fn function(work: &mut Work<'_>) {
+pub(super) fn function(work: &mut Lowering<'_>) {
     let shader = work.shader;
     if shader.stage() == Stage::Vertex {
         return vertex(work);

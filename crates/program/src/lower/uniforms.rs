@@ -1,14 +1,14 @@
 //! Uniforms: each variable outside a block becomes a block of its own, in place, so that everything it mentions is
 //! declared before it and its name stays global.
 
-use super::Work;
+use super::Lowering;
 use super::declaration::by_declaration;
 use base::text::{Edit, Span};
 use base::value::Scalar;
 use syntax::ast::Qualifiers;
 use syntax::interface::{Block, Storage, Variable};
 
-pub(super) fn lower(work: &mut Work<'_>) {
+pub(super) fn lower(work: &mut Lowering<'_>) {
     let shader = work.shader;
     let mut number = 0;
     for group in by_declaration(&shader.interface().uniforms) {
@@ -33,7 +33,7 @@ pub(super) fn lower(work: &mut Work<'_>) {
 }
 
 /// What stands in place of the qualifiers of a uniform.
-fn head(work: &mut Work<'_>, uniform: &Variable, number: u32) -> Option<String> {
+fn head(work: &mut Lowering<'_>, uniform: &Variable, number: u32) -> Option<String> {
     if !work.is_editable(uniform) {
         return None;
     }
@@ -49,7 +49,7 @@ fn head(work: &mut Work<'_>, uniform: &Variable, number: u32) -> Option<String> 
 }
 
 /// Group and binding of a uniform or a block, as layout qualifiers.
-fn place(work: &mut Work<'_>, name: &str, span: Span) -> Option<String> {
+fn place(work: &mut Lowering<'_>, name: &str, span: Span) -> Option<String> {
     let Some((group, binding)) = work.places.uniforms.get(name) else {
         work.refuse(span, format!("`{name}` has no binding"));
         return None;
@@ -57,7 +57,7 @@ fn place(work: &mut Work<'_>, name: &str, span: Span) -> Option<String> {
     Some(format!("set = {group}, binding = {binding}"))
 }
 
-fn uniform_block(work: &mut Work<'_>, block: &Block) {
+fn uniform_block(work: &mut Lowering<'_>, block: &Block) {
     let name = block.instance.as_ref().unwrap_or(&block.name);
     if !block.dims.is_empty() {
         work.refuse(block.name.span, format!("uniform block `{}` is an array", block.name.name));

@@ -8,7 +8,7 @@ use naga::{
     MathFunction, Module, Range, Scalar, Span, Statement, Type, TypeInner,
 };
 
-use super::operands::{Leaves, Scope, path};
+use super::operands::{Leaves, OperandScope, path};
 use super::operations::operations;
 use super::{Leaf, Point, Probed, TRACE, What, place};
 use crate::capture::add_global;
@@ -22,7 +22,7 @@ type Number = (Handle<Expression>, Vec<u32>);
 
 /// Where the trace lies.
 #[derive(Clone, Copy)]
-struct Store {
+struct TraceStore {
     trace: Handle<GlobalVariable>,
     traced: Handle<GlobalVariable>,
     words: u32,
@@ -34,7 +34,7 @@ pub(super) fn probed(program: &Program, words: u32) -> Result<Probed, ProgramErr
     let [PortAt::Global(trace), PortAt::Global(traced)] = [&ports[0].at, &ports[1].at] else {
         return Err(ProgramError::internal("a trace that is no variable".to_owned()));
     };
-    let store = Store { trace: *trace, traced: *traced, words };
+    let store = TraceStore { trace: *trace, traced: *traced, words };
     let mut points = Vec::new();
     for handle in reachable(program) {
         let (function, info) = parts(program, handle);
@@ -54,7 +54,7 @@ pub(super) fn probed(program: &Program, words: u32) -> Result<Probed, ProgramErr
                 Entry::Point(index) => &mut probed.module.entry_points[index].function,
                 Entry::Function(handle) => &mut probed.module.functions[handle],
             };
-            let mut writer = Writer { function, body: Block::new() };
+            let mut writer = TraceWriter { function, body: Block::new() };
             writer.reset(store);
             let mut body = writer.body;
             body.extend_block(std::mem::take(&mut function.body));
@@ -137,11 +137,11 @@ impl Found {
         let mut emitted = Vec::new();
         emissions(&function.body, &mut emitted);
         let none = HashMap::new();
-        let scope = Scope { module: &program.module, function, info, points: &none };
+        let scope = OperandScope { module: &program.module, function, info, points: &none };
         let traced: Vec<_> = emitted.into_iter().filter(|&(e, _)| is_traced(&scope, e)).collect();
         let own: HashMap<Handle<Expression>, usize> =
             (points.len()..).zip(&traced).map(|(index, &(e, _))| (e, index)).collect();
-        let scope = Scope { points: &own, ..scope };
+        let scope = OperandScope { points: &own, ..scope };
         let mut numbers = HashMap::new();
         for (expression, statement) in traced {
             let mut leaves = Leaves::new();
@@ -183,7 +183,7 @@ fn emissions(block: &Block, all: &mut Vec<(Handle<Expression>, Span)>) {
 }
 
 /// True for operators and functions that give binary32 numbers, and for comparisons of them.
-fn is_traced(scope: &Scope<'_>, handle: Handle<Expression>) -> bool {
+fn is_traced(scope: &OperandScope<'_>, handle: Handle<Expression>) -> bool {
     let float = scope.floats(handle).is_some();
     match scope.function.expressions[handle] {
         Expression::Unary { .. } | Expression::Math { .. } => float,
@@ -197,20 +197,20 @@ fn is_traced(scope: &Scope<'_>, handle: Handle<Expression>) -> bool {
     }
 }
 
-fn compared(scope: &Scope<'_>, handle: Handle<Expression>) -> Vec<Handle<Expression>> {
+fn compared(scope: &OperandScope<'_>, handle: Handle<Expression>) -> Vec<Handle<Expression>> {
     match scope.function.expressions[handle] {
         Expression::Binary { left, right, .. } => vec![left, right],
         _ => Vec::new(),
     }
 }
 
-fn components(scope: &Scope<'_>, value: Handle<Expression>) -> Vec<Number> {
+fn components(scope: &OperandScope<'_>, value: Handle<Expression>) -> Vec<Number> {
     let size = scope.floats(value);
     size.map_or_else(Vec::new, |size| (0..size.0 * size.1).map(|k| (value, path(size, k))).collect())
 }
 
 /// The same statements, with the stores behind each that computes something traced.
-fn instrumented(block: Block, function: &mut Function, found: &Found, store: Store) -> Block {
+fn instrumented(block: Block, function: &mut Function, found: &Found, store: TraceStore) -> Block {
     let mut body = Block::new();
     for (mut statement, span) in block.span_into_iter() {
         for inner in blocks_mut(&mut statement) {
@@ -220,7 +220,7 @@ fn instrumented(block: Block, function: &mut Function, found: &Found, store: Sto
         body.push(statement, span);
         for expression in emitted.into_iter().flatten() {
             if let (Some(&point), Some(numbers)) = (found.points.get(&expression), found.numbers.get(&expression)) {
-                let mut writer = Writer { function, body: std::mem::take(&mut body) };
+                let mut writer = TraceWriter { function, body: std::mem::take(&mut body) };
                 writer.step(store, point, numbers);
                 body = writer.body;
             }
@@ -230,7 +230,7 @@ fn instrumented(block: Block, function: &mut Function, found: &Found, store: Sto
 }
 
 /// Turns a geometry stage into a function of one primitive, in which emitting a vertex is a step.
-fn flatten(program: &mut Program, points: &mut Vec<Point>, store: Store) -> Result<(), ProgramError> {
+fn flatten(program: &mut Program, points: &mut Vec<Point>, store: TraceStore) -> Result<(), ProgramError> {
     let module = &mut program.module;
     let strange = |what: &str| ProgramError::internal(format!("a geometry stage {what}"));
     let mut main = module.entry_points.pop().ok_or_else(|| strange("without entry point"))?.function;
@@ -255,7 +255,7 @@ fn flatten(program: &mut Program, points: &mut Vec<Point>, store: Store) -> Resu
         if shape.scalar != base::value::Scalar::F32 {
             continue;
         }
-        let mut writer = Writer { body: std::mem::take(&mut emit.body), function: &mut emit };
+        let mut writer = TraceWriter { body: std::mem::take(&mut emit.body), function: &mut emit };
         let pointer = writer.name(Expression::GlobalVariable(global));
         let value = writer.compute(Expression::Load { pointer });
         let size = (u32::from(shape.columns), u32::from(shape.rows));
@@ -271,7 +271,7 @@ fn flatten(program: &mut Program, points: &mut Vec<Point>, store: Store) -> Resu
         points.push(event(What::Emitted { output: port.field.name }, numbers.len() as u32));
     }
     let mut end = Function { name: Some("EndPrimitive".to_owned()), ..Function::default() };
-    let mut writer = Writer { function: &mut end, body: Block::new() };
+    let mut writer = TraceWriter { function: &mut end, body: Block::new() };
     writer.step(store, points.len(), &[]);
     end.body = writer.body;
     points.push(event(What::EndPrimitive, 0));
@@ -282,7 +282,7 @@ fn flatten(program: &mut Program, points: &mut Vec<Point>, store: Store) -> Resu
     }
     let main = module.functions.append(main, Span::UNDEFINED);
     let mut entry = Function { name: Some("sc_primitive".to_owned()), ..Function::default() };
-    let mut writer = Writer { function: &mut entry, body: Block::new() };
+    let mut writer = TraceWriter { function: &mut entry, body: Block::new() };
     writer.reset(store);
     writer.push(Statement::Call { function: main, arguments: Vec::new(), result: None });
     entry.body = writer.body;
@@ -292,12 +292,12 @@ fn flatten(program: &mut Program, points: &mut Vec<Point>, store: Store) -> Resu
 }
 
 /// Appends statements to a body.
-struct Writer<'a> {
+struct TraceWriter<'a> {
     function: &'a mut Function,
     body: Block,
 }
 
-impl Writer<'_> {
+impl TraceWriter<'_> {
     fn push(&mut self, statement: Statement) {
         self.body.push(statement, Span::UNDEFINED);
     }
@@ -322,7 +322,7 @@ impl Writer<'_> {
     }
 
     /// An empty trace.
-    fn reset(&mut self, store: Store) {
+    fn reset(&mut self, store: TraceStore) {
         let pointer = self.name(Expression::GlobalVariable(store.traced));
         let value = self.u32(0);
         self.push(Statement::Store { pointer, value });
@@ -330,7 +330,7 @@ impl Writer<'_> {
 
     /// Appends a step to the trace if all of it fits, and counts its words in any case: once a step
     /// did not fit, none behind it does.
-    fn step(&mut self, store: Store, point: usize, numbers: &[Number]) {
+    fn step(&mut self, store: TraceStore, point: usize, numbers: &[Number]) {
         let traced = self.name(Expression::GlobalVariable(store.traced));
         let at = self.compute(Expression::Load { pointer: traced });
         let next = self.add(at, 1 + numbers.len() as u32);

@@ -9,7 +9,7 @@ use super::OperandSource;
 
 /// Where a number comes from, before leaves are numbered.
 #[derive(Clone, Copy, Debug)]
-enum Origin {
+enum OperandOrigin {
     Known(OperandSource),
     Leaf(Handle<Expression>, u32),
 }
@@ -18,7 +18,7 @@ enum Origin {
 pub(super) type Leaves = Vec<(Handle<Expression>, u32)>;
 
 /// A function with the numbers of its points.
-pub(super) struct Scope<'a> {
+pub(super) struct OperandScope<'a> {
     pub module: &'a Module,
     pub function: &'a Function,
     pub info: &'a FunctionInfo,
@@ -45,7 +45,7 @@ pub(super) fn path((columns, rows): (u32, u32), component: u32) -> Vec<u32> {
     }
 }
 
-impl Scope<'_> {
+impl OperandScope<'_> {
     pub(super) fn inner(&self, handle: Handle<Expression>) -> &TypeInner {
         self.info[handle].ty.inner_with(&self.module.types)
     }
@@ -58,8 +58,8 @@ impl Scope<'_> {
     /// Where the components of a value come from. New leaves are added to `leaves`.
     pub(super) fn sources(&self, handle: Handle<Expression>, leaves: &mut Leaves) -> Vec<OperandSource> {
         let number = |origin| match origin {
-            Origin::Known(source) => source,
-            Origin::Leaf(handle, component) => {
+            OperandOrigin::Known(source) => source,
+            OperandOrigin::Leaf(handle, component) => {
                 let leaf = (handle, component);
                 OperandSource::Leaf(leaves.iter().position(|&l| l == leaf).unwrap_or_else(|| {
                     leaves.push(leaf);
@@ -70,25 +70,29 @@ impl Scope<'_> {
         self.origins(handle).into_iter().map(number).collect()
     }
 
-    fn origins(&self, handle: Handle<Expression>) -> Vec<Origin> {
+    fn origins(&self, handle: Handle<Expression>) -> Vec<OperandOrigin> {
         let Some((columns, rows, float)) = size(self.inner(handle)) else { return Vec::new() };
         let count = columns * rows;
         if !float {
-            return vec![Origin::Known(OperandSource::Untraced); count as usize];
+            return vec![OperandOrigin::Known(OperandSource::Untraced); count as usize];
         }
         if let Some(&point) = self.points.get(&handle) {
-            return (0..count).map(|component| Origin::Known(OperandSource::Point { point, component })).collect();
+            return (0..count)
+                .map(|component| OperandOrigin::Known(OperandSource::Point { point, component }))
+                .collect();
         }
         match self.function.expressions[handle] {
-            Expression::Literal(Literal::F32(value)) => vec![Origin::Known(OperandSource::Literal(value))],
+            Expression::Literal(Literal::F32(value)) => vec![OperandOrigin::Known(OperandSource::Literal(value))],
             Expression::Constant(constant) => {
                 let init = self.module.constants[constant].init;
                 match constants(self.module, init).filter(|all| all.len() == count as usize) {
-                    Some(all) => all.into_iter().map(|value| Origin::Known(OperandSource::Literal(value))).collect(),
+                    Some(all) => {
+                        all.into_iter().map(|value| OperandOrigin::Known(OperandSource::Literal(value))).collect()
+                    }
                     None => leaf(handle, count),
                 }
             }
-            Expression::ZeroValue(_) => vec![Origin::Known(OperandSource::Literal(0.0)); count as usize],
+            Expression::ZeroValue(_) => vec![OperandOrigin::Known(OperandSource::Literal(0.0)); count as usize],
             Expression::Compose { ref components, .. } => components.iter().flat_map(|&c| self.origins(c)).collect(),
             Expression::Splat { value, .. } => {
                 self.origins(value).first().map_or_else(Vec::new, |&origin| vec![origin; count as usize])
@@ -105,8 +109,8 @@ impl Scope<'_> {
     }
 }
 
-fn leaf(handle: Handle<Expression>, count: u32) -> Vec<Origin> {
-    (0..count).map(|component| Origin::Leaf(handle, component)).collect()
+fn leaf(handle: Handle<Expression>, count: u32) -> Vec<OperandOrigin> {
+    (0..count).map(|component| OperandOrigin::Leaf(handle, component)).collect()
 }
 
 /// The numbers of a constant expression of the module; `None` for what naga would have computed.

@@ -2,7 +2,7 @@
 
 use naga::{BinaryOperator, Expression, Handle, MathFunction, TypeInner, UnaryOperator};
 
-use super::operands::{Leaves, Scope};
+use super::operands::{Leaves, OperandScope};
 use super::{OperandSource, Operation};
 
 /// Operations in order.
@@ -36,7 +36,7 @@ impl List {
 
 /// The operands of a traced expression, component by component, and its scalar operations.
 pub(super) fn operations(
-    scope: &Scope<'_>,
+    scope: &OperandScope<'_>,
     handle: Handle<Expression>,
     leaves: &mut Leaves,
 ) -> (Vec<Vec<OperandSource>>, Vec<Operation>) {
@@ -62,7 +62,7 @@ pub(super) fn operations(
     (operands, list.0)
 }
 
-fn operands(scope: &Scope<'_>, expression: &Expression) -> Vec<Handle<Expression>> {
+fn operands(scope: &OperandScope<'_>, expression: &Expression) -> Vec<Handle<Expression>> {
     match *expression {
         Expression::Unary { expr, .. } | Expression::As { expr, .. } => vec![expr],
         Expression::Binary { left, right, .. } => vec![left, right],
@@ -85,7 +85,7 @@ fn component(operand: &[OperandSource], k: usize) -> Option<OperandSource> {
 }
 
 fn binary(
-    scope: &Scope<'_>,
+    scope: &OperandScope<'_>,
     list: &mut List,
     op: BinaryOperator,
     (left, right): (Handle<Expression>, Handle<Expression>),

@@ -97,7 +97,7 @@ fn one(
 ) -> Result<ModuleText, ProgramError> {
     let words = known_to_reader(words);
     let lines = Lines::of(&words);
-    let sources = Sources::new(author, &lines);
+    let sources = CompiledSources::new(author, &lines);
     // naga's reader ends its run of expressions at what is for debuggers, and then repeats them.
     let words = kept(&words, &lines.kept);
     let places = lines.places.iter().zip(&lines.kept).filter(|(_, kept)| **kept);
@@ -135,7 +135,7 @@ fn unnamed_blocks(module: &mut Module, outline: &Outline) {
 }
 
 /// Names as the author writes them, and the functions of the text.
-fn names(lines: &Lines, sources: &Sources, outline: &Outline) -> (HashMap<u32, String>, Vec<(String, Span)>) {
+fn names(lines: &Lines, sources: &CompiledSources, outline: &Outline) -> (HashMap<u32, String>, Vec<(String, Span)>) {
     let (mut names, mut functions, mut taken) = (HashMap::new(), Vec::new(), HashSet::new());
     let mut all: Vec<(&u32, &Option<At>)> = lines.functions.iter().collect();
     all.sort_by_key(|(id, _)| **id);
@@ -185,7 +185,7 @@ fn outputs(lines: &Lines, names: &HashMap<u32, String>, outline: &Outline) -> Ve
 }
 
 /// The author's text and those that the compiler read beside it, one behind the other.
-struct Sources {
+struct CompiledSources {
     file: SourceFile,
     /// Bytes of the author's own.
     length: usize,
@@ -193,7 +193,7 @@ struct Sources {
     others: Vec<(String, SourceFile, usize)>,
 }
 
-impl Sources {
+impl CompiledSources {
     fn new(author: &SourceFile, lines: &Lines) -> Self {
         let length = author.text().len();
         let mut found = Self { file: author.clone(), length, others: Vec::new() };

@@ -2,7 +2,7 @@
 
 use naga::{EntryPoint, Expression, Function, FunctionArgument, Handle, Module, Span, Statement, Type, TypeInner};
 
-use super::stops::{Step, Stops};
+use super::stops::{StopStep, Stops};
 use crate::capture::Builder;
 
 type Expr = Handle<Expression>;
@@ -74,8 +74,8 @@ pub(super) fn around(module: &mut Module, own: Handle<Function>, stops: Option<&
     let value = match stops {
         None => call(&mut b, &given),
         Some(stops) => {
-            let step = |argument: &FunctionArgument| Step::of_input(module, argument, stage);
-            let steps: Vec<Step> = arguments.iter().map(step).collect();
+            let step = |argument: &FunctionArgument| StopStep::of_input(module, argument, stage);
+            let steps: Vec<StopStep> = arguments.iter().map(step).collect();
             let returned = result.as_ref().map(|result| result.ty);
             stops.run(&mut b, module, (&given, &steps), returned, &call)
         }

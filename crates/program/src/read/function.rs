@@ -8,7 +8,7 @@ use naga::{
 
 use super::outline::Way;
 use super::ports::{Part, Ports, at, parts};
-use super::stops::{self, Step, Stops};
+use super::stops::{self, StopStep, Stops};
 use crate::capture::{Builder, add_global, shape_of};
 use crate::{Port, PortAt, ProgramError};
 use base::value::Field;
@@ -232,7 +232,7 @@ fn around(
         match stops {
             None => call(&mut b, &given),
             Some(stops) => {
-                let steps: Vec<Step> = arguments.iter().map(|a| Step::of_parameter(module, a.ty)).collect();
+                let steps: Vec<StopStep> = arguments.iter().map(|a| StopStep::of_parameter(module, a.ty)).collect();
                 stops.run(&mut b, module, (&given, &steps), result, &call)
             }
         }

@@ -136,7 +136,7 @@ impl Outline {
     pub fn read(text: &str) -> Self {
         let code = without_directives(text);
         let all = tokens(&code);
-        let mut reader = Reader { text: &code, all: &all, found: Self::default() };
+        let mut reader = OutlineReader { text: &code, all: &all, found: Self::default() };
         reader.scope(0, "");
         reader.found
     }
@@ -267,13 +267,13 @@ fn without_directives(text: &str) -> String {
     code
 }
 
-struct Reader<'a> {
+struct OutlineReader<'a> {
     text: &'a str,
     all: &'a [Token],
     found: Outline,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> OutlineReader<'a> {
     fn word(&self, at: usize) -> &'a str {
         self.all.get(at).map_or("", |token| &self.text[token.span.range()])
     }

@@ -24,7 +24,7 @@ const HELPERS: &str = include_str!("stops.wgsl");
 
 /// How an argument of a member of a quad differs from that of the sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Step {
+pub(super) enum StopStep {
     /// Not at all.
     Same,
     /// It is interpolated, and has so many components.
@@ -33,7 +33,7 @@ pub(super) enum Step {
     Pixel,
 }
 
-impl Step {
+impl StopStep {
     /// Of an input of a stage.
     pub fn of_input(module: &Module, argument: &FunctionArgument, stage: ShaderStage) -> Self {
         match argument.binding {
@@ -264,7 +264,7 @@ struct Rewriting<'a> {
 }
 
 /// A function while it is rewritten.
-struct Writer<'a> {
+struct StopWriter<'a> {
     function: Function,
     module: &'a Module,
     info: &'a FunctionInfo,
@@ -272,7 +272,7 @@ struct Writer<'a> {
     sites: u32,
 }
 
-impl Writer<'_> {
+impl StopWriter<'_> {
     fn add(&mut self, block: &mut Block, expression: Expression) -> Expr {
         let emitted =
             !matches!(expression, Expression::GlobalVariable(_) | Expression::Literal(_) | Expression::ZeroValue(_));
@@ -293,7 +293,7 @@ impl Writer<'_> {
 impl Rewriting<'_> {
     fn function(&self, old: Handle<Function>, module: &Module, info: &ModuleInfo) -> Function {
         let function = module.functions[old].clone();
-        let mut writer = Writer { function, module, info: &info[old], sites: 0 };
+        let mut writer = StopWriter { function, module, info: &info[old], sites: 0 };
         for (_, expression) in writer.function.expressions.iter_mut() {
             if let Expression::CallResult(callee) = expression {
                 *callee = self.moved.get(callee).copied().unwrap_or(*callee);
@@ -306,7 +306,7 @@ impl Rewriting<'_> {
         writer.function
     }
 
-    fn block(&self, block: Block, writer: &mut Writer<'_>) -> Block {
+    fn block(&self, block: Block, writer: &mut StopWriter<'_>) -> Block {
         let mut body = Block::new();
         for (mut statement, span) in block.span_into_iter() {
             match &mut statement {
@@ -345,7 +345,7 @@ impl Rewriting<'_> {
     }
 
     /// A derivative becomes a call.
-    fn emit(&self, body: &mut Block, writer: &mut Writer<'_>, handle: Expr, span: Span) {
+    fn emit(&self, body: &mut Block, writer: &mut StopWriter<'_>, handle: Expr, span: Span) {
         let Expression::Derivative { axis, expr, .. } = writer.function.expressions[handle] else {
             body.push(Statement::Emit(Range::new_from_bounds(handle, handle)), span);
             return;
@@ -365,13 +365,13 @@ impl Rewriting<'_> {
         self.leave_if_stopped(body, writer, span);
     }
 
-    fn stop(&self, body: &mut Block, writer: &mut Writer<'_>) {
+    fn stop(&self, body: &mut Block, writer: &mut StopWriter<'_>) {
         let pointer = writer.add(body, Expression::GlobalVariable(self.helpers.globals["sc_stopped"]));
         let value = writer.add(body, Expression::Literal(Literal::Bool(true)));
         body.push(Statement::Store { pointer, value }, Span::UNDEFINED);
     }
 
-    fn leave_if_stopped(&self, body: &mut Block, writer: &mut Writer<'_>, span: Span) {
+    fn leave_if_stopped(&self, body: &mut Block, writer: &mut StopWriter<'_>, span: Span) {
         let pointer = writer.add(body, Expression::GlobalVariable(self.helpers.globals["sc_stopped"]));
         let condition = writer.add(body, Expression::Load { pointer });
         let mut accept = Block::new();
@@ -380,7 +380,7 @@ impl Rewriting<'_> {
     }
 
     /// Moves the number of derivatives before the function that runs.
-    fn before(&self, body: &mut Block, writer: &mut Writer<'_>, sites: u32, op: B) {
+    fn before(&self, body: &mut Block, writer: &mut StopWriter<'_>, sites: u32, op: B) {
         if sites == 0 {
             return;
         }
@@ -419,7 +419,7 @@ impl Stops {
         &self,
         b: &mut Builder,
         module: &Module,
-        (given, steps): (&[Expr], &[Step]),
+        (given, steps): (&[Expr], &[StopStep]),
         result: Option<Handle<Type>>,
         call: &dyn Fn(&mut Builder, &[Expr]) -> Option<Expr>,
     ) -> Option<Expr> {
@@ -451,7 +451,7 @@ impl Stops {
         &self,
         b: &mut Builder,
         module: &Module,
-        (given, steps): (&[Expr], &[Step]),
+        (given, steps): (&[Expr], &[StopStep]),
         once: &dyn Fn(&mut Builder, &[Expr]),
     ) {
         let runs = 4 * self.sites.min(MOST);
@@ -493,17 +493,17 @@ impl Stops {
 
 impl Stops {
     /// The arguments of a member of a quad.
-    fn moved(&self, b: &mut Builder, (given, all): (&[Expr], &[Step]), member: Expr) -> Vec<Expr> {
+    fn moved(&self, b: &mut Builder, (given, all): (&[Expr], &[StopStep]), member: Expr) -> Vec<Expr> {
         let mut number = 0;
         let mut moved = Vec::new();
         for (&value, step) in given.iter().zip(all) {
             let by: Vec<[f64; 2]> = match *step {
-                Step::Same => {
+                StopStep::Same => {
                     moved.push(value);
                     continue;
                 }
-                Step::Pixel => vec![[1.0, 0.0], [0.0, 1.0], [0.0; 2], [0.0; 2]],
-                Step::Interpolated(count) => {
+                StopStep::Pixel => vec![[1.0, 0.0], [0.0, 1.0], [0.0; 2], [0.0; 2]],
+                StopStep::Interpolated(count) => {
                     let first = number;
                     number += count;
                     (first..number).map(steps).collect()

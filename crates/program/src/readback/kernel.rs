@@ -22,7 +22,7 @@ pub(super) fn resolve(
 ) -> Result<ReadBack, TranslateError> {
     // Nothing here is the interface of the translation: what is not found by its name is no fault of it.
     let lost = |reason: String| TranslateError::ReadBack { language, reason };
-    let mut back = Search { program, language, module }.all(info).map_err(lost)?;
+    let mut back = KernelSearch { program, language, module }.all(info).map_err(lost)?;
     if let Role::Geometry(primitives) = program.role {
         back.max_vertices = Some(primitives.max_vertices);
         for name in EMISSION {
@@ -45,13 +45,13 @@ fn privates(module: &Module) -> impl Iterator<Item = (Handle<GlobalVariable>, Op
     globals.filter(|(_, v)| v.space == AddressSpace::Private).map(|(handle, v)| (handle, v.name.as_deref()))
 }
 
-struct Search<'p> {
+struct KernelSearch<'p> {
     program: &'p Program,
     language: Language,
     module: Module,
 }
 
-impl Search<'_> {
+impl KernelSearch<'_> {
     fn all(self, info: ModuleInfo) -> Result<ReadBack, String> {
         let (program, language) = (self.program, self.language);
         let wanted = match (&program.role, program.entry) {

@@ -47,7 +47,7 @@ type Key = (u32, u32);
 type Words = HashMap<u32, (Scalar, Feed)>;
 
 /// The stage in the shader's own module.
-struct Own<'p> {
+struct OwnStage<'p> {
     program: &'p Program,
     grouped: bool,
     module: Module,
@@ -60,20 +60,20 @@ struct Own<'p> {
 
 /// The stage as the shader has it, bound like a translation to this language.
 pub(super) fn own(program: &Program, language: Language) -> Result<ReadBack, TranslateError> {
-    let own = Own::new(program, language)?;
+    let own = OwnStage::new(program, language)?;
     let (module, alone, info) = (own.module.clone(), own.alone.clone(), own.info.clone());
     own.bind(language, module, alone, info)
 }
 
 /// A translation of the stage.
 pub(super) fn resolve(program: &Program, language: Language, mut module: Module) -> Result<ReadBack, TranslateError> {
-    let own = Own::new(program, language)?;
+    let own = OwnStage::new(program, language)?;
     flat_if_needed(&mut module);
     let (alone, info) = alone(&mut module)?;
     own.bind(language, module, alone, info)
 }
 
-impl<'p> Own<'p> {
+impl<'p> OwnStage<'p> {
     fn new(program: &'p Program, language: Language) -> Result<Self, TranslateError> {
         let host = program.stage_module.as_deref().map_or(&program.module, |(module, _)| module);
         let mut module = host.clone();
@@ -197,7 +197,7 @@ impl<'p> Own<'p> {
 
 /// A module while it is bound.
 struct Bound<'o> {
-    own: &'o Own<'o>,
+    own: &'o OwnStage<'o>,
     module: &'o Module,
     inputs: Vec<Place>,
     uniforms: Vec<Place>,
@@ -209,7 +209,7 @@ struct Bound<'o> {
 }
 
 impl<'o> Bound<'o> {
-    fn new(own: &'o Own<'o>, module: &'o Module) -> Self {
+    fn new(own: &'o OwnStage<'o>, module: &'o Module) -> Self {
         Self {
             own,
             module,
@@ -225,7 +225,7 @@ impl<'o> Bound<'o> {
 
     fn inputs(&mut self) -> Result<(), String> {
         let kind = if self.own.program.role == Role::Vertex { "an attribute" } else { "an input" };
-        for (k, argument) in (0..).zip(&Own::entry(self.module)?.arguments) {
+        for (k, argument) in (0..).zip(&OwnStage::entry(self.module)?.arguments) {
             let Some(binding) = &argument.binding else {
                 return Err(format!("argument {k} of its entry point has no location"));
             };
@@ -247,7 +247,7 @@ impl<'o> Bound<'o> {
     }
 
     fn outputs(&mut self) -> Result<(), String> {
-        let entry = Own::entry(self.module)?;
+        let entry = OwnStage::entry(self.module)?;
         for (at, name, own) in &self.own.outputs {
             let (ty, at) = result(self.module, entry, *at).ok_or_else(|| format!("it does not give `{name}`"))?;
             same_shape(name, (&self.own.module, *own), (self.module, ty))?;

@@ -34,12 +34,12 @@ const CANCELLED: f64 = power(-20);
 const DECIDED: f64 = power(-120);
 
 /// Columns of a vector in two parts.
-struct Columns {
+struct MatrixColumns {
     high: [[f64; WIDTH]; 4],
     low: [[f64; WIDTH]; 4],
 }
 
-impl Columns {
+impl MatrixColumns {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn zero() -> Self {
         Self { high: [[0.0; WIDTH]; 4], low: [[0.0; WIDTH]; 4] }
@@ -93,9 +93,9 @@ pub(super) fn skinning(given: &Given, near: &mut Near) {
         near.give_up();
         return;
     }
-    let (mut p, mut size) = (Columns::zero(), [0.0; WIDTH]);
+    let (mut p, mut size) = (MatrixColumns::zero(), [0.0; WIDTH]);
     transform(&matrix(case, MODEL_VIEW).0, &given.own, &mut p, &mut size);
-    let (mut u, mut weights) = (Columns::zero(), [0.0; WIDTH]);
+    let (mut u, mut weights) = (MatrixColumns::zero(), [0.0; WIDTH]);
     for bone in 0..count as usize {
         let bone = Bone::new(case, bone);
         // The square of the length is not lost to underflow, or there is none.
@@ -126,7 +126,7 @@ pub(super) fn skinning(given: &Given, near: &mut Near) {
 
 /// A matrix times positions, and the sum of the magnitudes of all terms.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn transform(rows: &[[f64; 4]; 4], position: &[[f64; WIDTH]], p: &mut Columns, size: &mut [f64; WIDTH]) {
+fn transform(rows: &[[f64; 4]; 4], position: &[[f64; WIDTH]], p: &mut MatrixColumns, size: &mut [f64; WIDTH]) {
     for r in 0..4 {
         for k in 0..WIDTH {
             let mut terms = [(0.0, 0.0); 4];
@@ -143,7 +143,7 @@ fn transform(rows: &[[f64; 4]; 4], position: &[[f64; WIDTH]], p: &mut Columns, s
 
 /// Adds what a bone does to points: its weight times its matrix times the point.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn blend(bone: &Bone, p: &Columns, u: &mut Columns, weights: &mut [f64; WIDTH], near: &mut Near) {
+fn blend(bone: &Bone, p: &MatrixColumns, u: &mut MatrixColumns, weights: &mut [f64; WIDTH], near: &mut Near) {
     let (squared, small) = (bone.squared, DECIDED * bone.squared.0);
     for k in 0..WIDTH {
         let (mut of_square, mut of_along) = ([(0.0, 0.0); 4], [(0.0, 0.0); 4]);

@@ -58,7 +58,7 @@ impl Harmed {
     }
 }
 
-struct Group {
+struct HarmGroup {
     count: u64,
     lost: bool,
     sample: Sample,
@@ -70,7 +70,7 @@ pub struct Lowered<'a> {
     ready: &'a Ready,
     executable: &'a Executable,
     looked: u64,
-    groups: HashMap<(Harm, usize), Group>,
+    groups: HashMap<(Harm, usize), HarmGroup>,
     /// What inputs are taken for beyond what is usual.
     far: &'a [String],
 }
@@ -110,7 +110,7 @@ impl<'a> Lowered<'a> {
         self.looked += fine.len() as u64;
         for (invocation, harmed) in fine.iter().zip(harmed(self.ready, self.executable, batch, &fine)) {
             let Some(harmed) = harmed else { continue };
-            let group = self.groups.entry(harmed.key()).or_insert_with(|| Group {
+            let group = self.groups.entry(harmed.key()).or_insert_with(|| HarmGroup {
                 count: 0,
                 lost: false,
                 sample: Sample::of(batch, *invocation),
@@ -134,13 +134,13 @@ impl<'a> Lowered<'a> {
         let Self { ready, executable, looked, groups, far } = self;
         let stated = domain.invocation.iter().chain(&domain.case).any(super::domain::InputDomain::is_stated);
         let many = MANY[usize::from(!stated)];
-        let mut groups: Vec<Group> =
+        let mut groups: Vec<HarmGroup> =
             groups.into_values().filter(|group| group.lost || group.count * many >= looked.max(1)).collect();
         groups.sort_by_key(|group| {
             (!group.lost, group.harmed.harm, std::cmp::Reverse(group.count), group.harmed.event.site.index())
         });
         groups.truncate(REPORTED);
-        let one = |group: Group| {
+        let one = |group: HarmGroup| {
             let key = group.harmed.key();
             let admits = Shrinking { domain, within };
             let same = |h: &Option<Harmed>| h.is_some_and(|h| h.key() == key && h.is_lost() == group.lost);

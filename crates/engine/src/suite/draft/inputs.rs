@@ -11,7 +11,7 @@ use program::Program;
 const OFF_THE_END: f64 = 1.0 / (1_u32 << 20) as f64;
 
 /// A group of inputs that are filled alike.
-struct Group<'a> {
+struct InputGroup<'a> {
     uniform: bool,
     names: Vec<&'a str>,
     guess: Guess,
@@ -26,7 +26,7 @@ pub(super) fn groups(
     program: &Program,
     (known, function): (&Known<'_>, &str),
 ) -> String {
-    let mut groups: Vec<Group<'_>> = Vec::new();
+    let mut groups: Vec<InputGroup<'_>> = Vec::new();
     for (k, field) in inputs.iter().enumerate() {
         let uniform = k < uniforms;
         let (guess, guessed) = match program.largest(&field.name) {
@@ -38,17 +38,17 @@ pub(super) fn groups(
             }
         };
         // Bones and weights keep laws between the inputs of a group; others only share a range.
-        let joins = |g: &&mut Group<'_>| {
+        let joins = |g: &&mut InputGroup<'_>| {
             (g.uniform, &g.guess, g.guessed) == (uniform, &guess, guessed)
                 && matches!(guess.generator, "interval" | "index" | "point")
         };
         match groups.iter_mut().find(joins) {
             Some(group) => group.names.push(&field.name),
-            None => groups.push(Group { uniform, names: vec![&field.name], guess, guessed }),
+            None => groups.push(InputGroup { uniform, names: vec![&field.name], guess, guessed }),
         }
     }
     let mut text = String::new();
-    for Group { names, guess, guessed, .. } in groups {
+    for InputGroup { names, guess, guessed, .. } in groups {
         let list: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
         let about = if guessed { format!("taken for {}", guess.taken_for) } else { "stated in the shader".to_owned() };
         let _ = write!(text, "\n[[inputs]] # {about}\n");

@@ -6,7 +6,7 @@ use std::io::{Cursor, Read};
 use npyz::{DType, Endianness, NpyHeader, Order, TypeChar};
 use zip::ZipArchive;
 
-use super::{Column, Interface, hint, row_of};
+use super::{Interface, RecordColumn, hint, row_of};
 use crate::suite::{RecordedFile, Suite};
 use base::value::{Field, Scalar, Shape};
 use disk::Problem;
@@ -20,7 +20,7 @@ const MOST: u64 = 1 << 30;
 const BEFORE: f64 = 777.25;
 
 /// An array as it is read.
-struct Array {
+struct NpzArray {
     name: String,
     shape: Vec<u64>,
     numbers: Vec<f64>,
@@ -29,23 +29,23 @@ struct Array {
 }
 
 /// A variable of the shader with the columns of its words; of an array of structures, the members of one name.
-struct Variable {
+struct NpzVariable {
     name: String,
     /// Shape of one of the fields that it consists of, and how many there are.
     shape: Shape,
     count: usize,
-    columns: Vec<Column>,
-    role: Role,
+    columns: Vec<RecordColumn>,
+    role: ArrayRole,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Role {
+enum ArrayRole {
     Invocation,
     Case,
     Output,
 }
 
-impl Variable {
+impl NpzVariable {
     /// Sizes of the array that holds it once.
     fn dimensions(&self) -> Vec<u64> {
         let mut all: Vec<u64> = (self.count > 1).then_some(self.count as u64).into_iter().collect();
@@ -77,7 +77,7 @@ pub fn rows_of_arrays(
     suite: &Suite,
 ) -> Result<(Vec<String>, Vec<RecordedRow>), Vec<Problem>> {
     let arrays = arrays(bytes).map_err(|all| all.into_iter().map(|what| problem(name, what)).collect::<Vec<_>>())?;
-    let mut reading = Reading { name, suite, variables: variables(interface), problems: Vec::new() };
+    let mut reading = NpzReading { name, suite, variables: variables(interface), problems: Vec::new() };
     let (outputs, columns, rows) = reading.rows(&arrays, interface);
     if !reading.problems.is_empty() {
         return Err(reading.problems);
@@ -91,7 +91,7 @@ fn problem(name: &str, message: String) -> Problem {
 }
 
 /// The arrays of an archive, but for those that `refdata` adds beside values.
-fn arrays(bytes: &[u8]) -> Result<Vec<Array>, Vec<String>> {
+fn arrays(bytes: &[u8]) -> Result<Vec<NpzArray>, Vec<String>> {
     let damaged = |error: &dyn std::fmt::Display| vec![format!("it is no archive that `numpy.savez` writes: {error}")];
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(&error))?;
     let (mut all, mut wrong) = (Vec::new(), Vec::new());
@@ -114,7 +114,7 @@ fn arrays(bytes: &[u8]) -> Result<Vec<Array>, Vec<String>> {
     if wrong.is_empty() { Ok(all) } else { Err(wrong) }
 }
 
-fn array(name: &str, content: &[u8]) -> Result<Array, String> {
+fn array(name: &str, content: &[u8]) -> Result<NpzArray, String> {
     let mut rest = content;
     let header = NpyHeader::from_reader(&mut rest).map_err(|error| format!("cannot be read: {error}"))?;
     let DType::Plain(ty) = header.dtype() else {
@@ -149,17 +149,17 @@ fn array(name: &str, content: &[u8]) -> Result<Array, String> {
         "int32" => rest.as_chunks().0.iter().map(|b| f64::from(i32::from_le_bytes(*b))).collect(),
         _ => rest.as_chunks().0.iter().map(|b| f64::from(u32::from_le_bytes(*b))).collect(),
     };
-    Ok(Array { name: name.to_owned(), shape, numbers, dtype })
+    Ok(NpzArray { name: name.to_owned(), shape, numbers, dtype })
 }
 
 /// The variables of a shader.
-fn variables(interface: &Interface<'_>) -> Vec<Variable> {
-    let mut all: Vec<Variable> = Vec::new();
-    type Numbered = fn(usize) -> Column;
+fn variables(interface: &Interface<'_>) -> Vec<NpzVariable> {
+    let mut all: Vec<NpzVariable> = Vec::new();
+    type Numbered = fn(usize) -> RecordColumn;
     let sides: [(_, Numbered, _); 3] = [
-        (&**interface.invocation, Column::Invocation, Role::Invocation),
-        (&**interface.case, Column::Case, Role::Case),
-        (interface.output, Column::Output, Role::Output),
+        (&**interface.invocation, RecordColumn::Invocation, ArrayRole::Invocation),
+        (&**interface.case, RecordColumn::Case, ArrayRole::Case),
+        (interface.output, RecordColumn::Output, ArrayRole::Output),
     ];
     for (record, column, role) in sides {
         for (k, field) in record.fields().iter().enumerate() {
@@ -171,29 +171,33 @@ fn variables(interface: &Interface<'_>) -> Vec<Variable> {
                     own.columns.extend(columns);
                     own.count += 1;
                 }
-                None => all.push(Variable { name, shape: field.shape, count: 1, columns: columns.collect(), role }),
+                None => all.push(NpzVariable { name, shape: field.shape, count: 1, columns: columns.collect(), role }),
             }
         }
     }
     all
 }
 
-struct Reading<'a> {
+struct NpzReading<'a> {
     name: &'a str,
     suite: &'a Suite,
-    variables: Vec<Variable>,
+    variables: Vec<NpzVariable>,
     problems: Vec<Problem>,
 }
 
-impl Reading<'_> {
+impl NpzReading<'_> {
     fn problem(&mut self, message: String) {
         self.problems.push(problem(self.name, message));
     }
 
     /// The recorded outputs, the columns, and the rows of their values.
-    fn rows(&mut self, arrays: &[Array], interface: &Interface<'_>) -> (Vec<Field>, Vec<Column>, Vec<Vec<f64>>) {
+    fn rows(
+        &mut self,
+        arrays: &[NpzArray],
+        interface: &Interface<'_>,
+    ) -> (Vec<Field>, Vec<RecordColumn>, Vec<Vec<f64>>) {
         let none = || (Vec::new(), Vec::new(), Vec::new());
-        let mut found: Vec<(usize, &Array, usize)> = Vec::new();
+        let mut found: Vec<(usize, &NpzArray, usize)> = Vec::new();
         for array in arrays {
             let Some(variable) = self.variable(array) else { continue };
             if found.iter().any(|(own, ..)| *own == variable) {
@@ -208,8 +212,8 @@ impl Reading<'_> {
         let count = found.iter().map(|(.., rows)| *rows).max().unwrap_or(0);
         let per_case = self.suite.per_case.max(1);
         for &(variable, array, rows) in &found {
-            let of_cases = self.variables[variable].role == Role::Case && rows == count.div_ceil(per_case);
-            let once = rows == 1 && self.variables[variable].role != Role::Output;
+            let of_cases = self.variables[variable].role == ArrayRole::Case && rows == count.div_ceil(per_case);
+            let once = rows == 1 && self.variables[variable].role != ArrayRole::Output;
             if rows != count && !of_cases && !once {
                 self.problem(format!(
                     "the array `{}` holds {rows} dispatches, and others hold {count}: each holds as many, or one input for all",
@@ -219,7 +223,7 @@ impl Reading<'_> {
         }
         let (mut columns, mut rows) = (Vec::new(), vec![Vec::new(); count]);
         for &(variable, array, own) in &found {
-            let Variable { columns: own_columns, .. } = &self.variables[variable];
+            let NpzVariable { columns: own_columns, .. } = &self.variables[variable];
             let words = own_columns.len();
             columns.extend_from_slice(own_columns);
             for (k, row) in rows.iter_mut().enumerate() {
@@ -235,15 +239,15 @@ impl Reading<'_> {
             columns.push(column);
             rows.iter_mut().for_each(|row| row.push(value));
         }
-        let given = |k: usize| interface.output.range(k).all(|word| columns.contains(&Column::Output(word)));
+        let given = |k: usize| interface.output.range(k).all(|word| columns.contains(&RecordColumn::Output(word)));
         let fields = interface.output.fields().iter().enumerate();
-        let recorded = found.iter().any(|(own, ..)| self.variables[*own].role == Role::Output);
+        let recorded = found.iter().any(|(own, ..)| self.variables[*own].role == ArrayRole::Output);
         let outputs: Vec<Field> = match recorded {
             true => fields.filter(|(k, _)| given(*k)).map(|(_, field)| field.clone()).collect(),
             false => Vec::new(),
         };
         if outputs.is_empty() && self.problems.is_empty() {
-            let all = self.variables.iter().filter(|own| own.role == Role::Output);
+            let all = self.variables.iter().filter(|own| own.role == ArrayRole::Output);
             let names: Vec<String> = all.map(|own| format!("`expected.{}`", own.name)).collect();
             self.problem(format!("no output is recorded; add an array {}", names.join(" or ")));
         }
@@ -251,13 +255,13 @@ impl Reading<'_> {
     }
 
     /// The variable that an array gives.
-    fn variable(&mut self, array: &Array) -> Option<usize> {
+    fn variable(&mut self, array: &NpzArray) -> Option<usize> {
         let name = &array.name[..];
         let apart = |prefix: &str| name.strip_prefix(prefix).map(str::to_owned);
         let output = apart("expected.").or_else(|| apart("out "));
         let input = apart("input.").or_else(|| apart("case."));
         let find = |name: &str, output: bool| {
-            self.variables.iter().position(|own| own.name == name && (own.role == Role::Output) == output)
+            self.variables.iter().position(|own| own.name == name && (own.role == ArrayRole::Output) == output)
         };
         let found = match (&output, &input) {
             (Some(name), _) => find(name, true),
@@ -272,14 +276,14 @@ impl Reading<'_> {
     }
 
     /// How many dispatches an array holds.
-    fn rows_of(&mut self, variable: usize, array: &Array) -> Option<usize> {
+    fn rows_of(&mut self, variable: usize, array: &NpzArray) -> Option<usize> {
         let own = &self.variables[variable];
         let (words, total) = (own.columns.len(), array.numbers.len());
         // What is expected may be computed in float64, whole numbers too.
-        let exact = own.role == Role::Output && array.numbers.iter().all(|n| n.fract() == 0.0);
+        let exact = own.role == ArrayRole::Output && array.numbers.iter().all(|n| n.fract() == 0.0);
         let whole = (array.dtype != "float32" && array.dtype != "float64") || exact;
         let unfit = match own.shape.scalar {
-            Scalar::F32 if own.role != Role::Output => {
+            Scalar::F32 if own.role != ArrayRole::Output => {
                 let other = |&&n: &&f64| !n.is_nan() && f64::from(n as f32) != n;
                 array.numbers.iter().find(other).map(|n| {
                     format!(
@@ -339,11 +343,11 @@ impl Reading<'_> {
     }
 
     /// Values of the words of inputs that no array gives.
-    fn filled(&mut self, found: &[usize], interface: &Interface<'_>) -> Vec<(Column, f64)> {
+    fn filled(&mut self, found: &[usize], interface: &Interface<'_>) -> Vec<(RecordColumn, f64)> {
         let mut all = Vec::new();
         let mut missing = Vec::new();
         for (k, own) in self.variables.iter().enumerate() {
-            if found.contains(&k) || own.role == Role::Output {
+            if found.contains(&k) || own.role == ArrayRole::Output {
                 continue;
             }
             let constant = self.suite.inputs.iter().filter(|group| group.generator.name() == "constant");

@@ -27,7 +27,7 @@ pub fn shader_test(prepared: &Prepared, message: &str, deviation: &Deviation, sa
         return None;
     }
     let parsed = Shader::parse_with(&program.file, program.stage, &program.defines);
-    let work = Work { prepared, shader: &parsed.shader, sample, value, deviation };
+    let work = TestWork { prepared, shader: &parsed.shader, sample, value, deviation };
     // What another text is put in for is not here.
     if program.file.text().contains("#include") {
         return None;
@@ -55,7 +55,7 @@ pub fn shader_test(prepared: &Prepared, message: &str, deviation: &Deviation, sa
     Some(text)
 }
 
-struct Work<'a> {
+struct TestWork<'a> {
     prepared: &'a Prepared,
     shader: &'a Shader,
     sample: &'a Sample,
@@ -66,7 +66,7 @@ struct Work<'a> {
 /// Texts of the stages, vertices, and the command that draws.
 type Parts = (String, String, String);
 
-impl Work<'_> {
+impl TestWork<'_> {
     /// The version that the shader states; a library that states none works in most.
     fn number(&self) -> u32 {
         let version = self.shader.version();

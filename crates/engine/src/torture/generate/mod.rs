@@ -43,7 +43,7 @@ pub fn generate(seed: u64, index: u64, wish: Wish) -> Program {
 
 /// What can be read or written in a place.
 #[derive(Clone, Debug)]
-struct Known {
+struct KnownVariable {
     variable: Variable,
     ty: Type,
     /// Counters and inputs are not written.
@@ -53,7 +53,7 @@ struct Known {
 struct Maker {
     stream: Stream,
     program: Program,
-    scope: Vec<Known>,
+    scope: Vec<KnownVariable>,
     /// Number of the next local variable.
     next: u32,
     /// Whether floats are computed of constants alone: what drivers fold, and readers of translations.
@@ -153,7 +153,7 @@ impl Maker {
             let uniform = may && index > 0 && self.stream.one_in(3);
             let matrix = (uniform || self.program.form == Form::Function) && self.stream.one_in(6);
             let ty = if matrix { self.matrix() } else { self.value() };
-            self.scope.push(Known { variable: Variable::Input(index), ty: ty.clone(), writable: false });
+            self.scope.push(KnownVariable { variable: Variable::Input(index), ty: ty.clone(), writable: false });
             self.program.inputs.push(Input { ty, uniform });
         }
     }
@@ -164,10 +164,10 @@ impl Maker {
         let count = 1 + self.stream.below(2);
         let parameters: Vec<Type> = (0..count).map(|_| self.value()).collect();
         for (index, ty) in parameters.iter().enumerate() {
-            self.scope.push(Known { variable: Variable::Parameter(index), ty: ty.clone(), writable: false });
+            self.scope.push(KnownVariable { variable: Variable::Parameter(index), ty: ty.clone(), writable: false });
         }
         if let Some(ty) = &target {
-            self.scope.push(Known { variable: Variable::Target, ty: ty.clone(), writable: true });
+            self.scope.push(KnownVariable { variable: Variable::Target, ty: ty.clone(), writable: true });
         }
         let statements = self.stream.below(3);
         let mut body = self.helper_block(statements);
@@ -186,7 +186,7 @@ impl Maker {
     fn declare(&mut self, ty: Type, writable: bool) -> u32 {
         let id = self.next;
         self.next += 1;
-        self.scope.push(Known { variable: Variable::Local(id), ty, writable });
+        self.scope.push(KnownVariable { variable: Variable::Local(id), ty, writable });
         id
     }
 

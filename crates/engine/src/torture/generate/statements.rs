@@ -1,7 +1,7 @@
 //! Statements, and what they declare.
 
 use super::super::program::{Expression, Form, Kind, Scalar, Statement, Type, Variable};
-use super::{Known, Maker};
+use super::{KnownVariable, Maker};
 
 /// Rounds of loops.
 const ROUNDS: usize = 4;
@@ -112,11 +112,11 @@ impl Maker {
 
     /// What can be written, and a part of it now and then.
     fn place(&mut self) -> Option<Expression> {
-        let known: Vec<Known> = self.scope.iter().filter(|k| k.writable).cloned().collect();
+        let known: Vec<KnownVariable> = self.scope.iter().filter(|k| k.writable).cloned().collect();
         if known.is_empty() {
             return None;
         }
-        let Known { variable, ty, .. } = known[self.stream.below(known.len())].clone();
+        let KnownVariable { variable, ty, .. } = known[self.stream.below(known.len())].clone();
         let mut place = Expression::read(variable, ty);
         for _ in 0..2 {
             if self.stream.one_in(3) {

@@ -1,7 +1,7 @@
 //! The other side of a question that all samples answer alike: a search from the nearest of them.
 
 use super::watch::Key;
-use super::{KEPT, SLOTS, Search, rank, ranked, scalar, word, word_mut, words};
+use super::{EdgeSearch, KEPT, SLOTS, rank, ranked, scalar, word, word_mut, words};
 use base::value::Scalar;
 use property::{Sample, Stream};
 
@@ -24,7 +24,7 @@ struct Aim {
     done: bool,
 }
 
-impl Search<'_> {
+impl EdgeSearch<'_> {
     /// Looks for samples on sides that none is on. Gives those that are.
     pub(super) fn approach(&mut self) -> Vec<Sample> {
         let mut aims = self.aims();

@@ -2,7 +2,7 @@
 
 use super::question::UNASKED;
 use super::watch::Key;
-use super::{PAIRS, SLOTS, Search, rank, ranked, scalar, word, word_mut};
+use super::{EdgeSearch, PAIRS, SLOTS, rank, ranked, scalar, word, word_mut};
 use base::value::Scalar;
 use property::Sample;
 
@@ -14,7 +14,7 @@ const WAYS: usize = 15;
 const BESIDE: [f32; 2] = [3e-6, 5e-5];
 
 /// A pair under way. Up to a cut, the words that differ are those of the second sample.
-struct Pair {
+struct EdgePair {
     key: Key,
     samples: [Sample; 2],
     /// The side of the first sample.
@@ -30,7 +30,7 @@ struct Pair {
     done: bool,
 }
 
-impl Pair {
+impl EdgePair {
     fn new(key: Key, side: i8, samples: [Sample; 2]) -> Self {
         let count = super::words(&samples[0]);
         let differ: Vec<usize> = (0..count).filter(|&at| word(&samples[0], at) != word(&samples[1], at)).collect();
@@ -123,7 +123,7 @@ impl Pair {
     }
 }
 
-impl Search<'_> {
+impl EdgeSearch<'_> {
     /// Brings pairs of samples on different sides near to each other. Gives the samples at the edges between.
     pub(super) fn bisect(&mut self) -> Vec<Sample> {
         let domain = self.domain;
@@ -161,7 +161,7 @@ impl Search<'_> {
     }
 
     /// Pairs that were not taken before: one of every question first, then more of each.
-    fn pairs(&mut self) -> Vec<Pair> {
+    fn pairs(&mut self) -> Vec<EdgePair> {
         let mut candidates = Vec::new();
         for (&key, sides) in &self.known {
             let on: Vec<(i8, &Vec<usize>)> = sides.on.iter().map(|(&side, kept)| (side, kept)).collect();
@@ -185,7 +185,7 @@ impl Search<'_> {
         candidates.truncate(PAIRS.min(SLOTS));
         let taken = candidates.into_iter().map(|(_, key, side, a, b)| {
             self.known.entry(key).or_default().halved.insert((a, b));
-            Pair::new(key, side, [self.pool[a].clone(), self.pool[b].clone()])
+            EdgePair::new(key, side, [self.pool[a].clone(), self.pool[b].clone()])
         });
         taken.collect()
     }

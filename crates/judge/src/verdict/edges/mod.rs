@@ -68,7 +68,7 @@ pub struct Edges {
 /// Finds samples at the edges of what the program decides. `pilot` is a batch of ordinary samples, `given` are samples at
 /// the edges of the inputs; what is found lies in the domain.
 pub fn edges(oracle: &Oracle, domain: &dyn Domain, pilot: &Batch, given: Vec<Sample>) -> Edges {
-    let mut search = Search {
+    let mut search = EdgeSearch {
         domain,
         watch: oracle.watch(),
         tries: oracle.watch(),
@@ -130,7 +130,7 @@ struct Sides {
 }
 
 /// A search under way.
-struct Search<'a> {
+struct EdgeSearch<'a> {
     domain: &'a dyn Domain,
     /// Sees the samples of the run alone.
     watch: Machine<'a, Watch>,
@@ -144,7 +144,7 @@ struct Search<'a> {
     budget: usize,
 }
 
-impl Search<'_> {
+impl EdgeSearch<'_> {
     /// Takes note of how samples answer.
     fn learn(&mut self, batch: &Batch) {
         let count = batch.invocation_count();

@@ -31,7 +31,7 @@ pub struct Answers {
 }
 
 /// One question at one place.
-struct Asked {
+struct AskedEdge {
     site: Site,
     question: Question,
     /// Times that each slot asked since the chunk began.
@@ -44,7 +44,7 @@ struct Asked {
 /// The domain.
 pub struct Watch {
     plain: Binary64,
-    asked: Vec<Asked>,
+    asked: Vec<AskedEdge>,
 }
 
 impl Watch {
@@ -76,7 +76,7 @@ impl Watch {
     fn note(&mut self, site: Site, question: Question, active: &Mask, side: impl Fn(usize) -> (i8, f64, u8)) {
         let at = self.asked.iter().position(|asked| (asked.site, asked.question) == (site, question));
         let at = at.unwrap_or_else(|| {
-            self.asked.push(Asked { site, question, times: [0; SLOTS], rounds: Vec::new(), met: 0 });
+            self.asked.push(AskedEdge { site, question, times: [0; SLOTS], rounds: Vec::new(), met: 0 });
             self.asked.len() - 1
         });
         let asked = &mut self.asked[at];

@@ -14,13 +14,13 @@ pub(in crate::verdict) struct Evaluator<'a> {
     /// Inputs of a formula, and the case whose uniforms they hold.
     inputs: Vec<f64>,
     case: usize,
-    model: Option<Running<'a>>,
+    model: Option<ModelRun<'a>>,
     /// Whether what binary64 does to the reference counts as its slack.
     bounded: bool,
 }
 
 /// A model and what it gave last.
-struct Running<'a> {
+struct ModelRun<'a> {
     model: &'a Model,
     machine: Interpreter<'a>,
     given: Gave,
@@ -67,7 +67,7 @@ impl<'a> Evaluator<'a> {
         self.case = usize::MAX;
         if let ReferenceKind::Model(model) = &self.reference.source {
             let bounded = self.bounded;
-            self.model.get_or_insert_with(|| Running::new(model, bounded)).run(batch, invocations);
+            self.model.get_or_insert_with(|| ModelRun::new(model, bounded)).run(batch, invocations);
         }
     }
 
@@ -169,7 +169,7 @@ impl Reference {
     }
 }
 
-impl<'a> Running<'a> {
+impl<'a> ModelRun<'a> {
     fn new(model: &'a Model, bounded: bool) -> Self {
         let machine = if bounded {
             Interpreter::Bounded(Box::new(model.oracle.ideal_tape()))

@@ -7,7 +7,7 @@ use program::Program;
 
 /// A formula with the places of its inputs.
 #[derive(Clone)]
-pub(super) struct Bound {
+pub(super) struct BoundFormula {
     pub formula: &'static Formula,
     invocation: Vec<Copy>,
     case: Vec<Copy>,
@@ -23,7 +23,7 @@ struct Copy {
 }
 
 /// Binds a formula to a program; with the indices of the outputs that it gives.
-pub(super) fn bind(formula: &'static Formula, program: &Program) -> Result<(Bound, Vec<usize>), ReferenceError> {
+pub(super) fn bind(formula: &'static Formula, program: &Program) -> Result<(BoundFormula, Vec<usize>), ReferenceError> {
     let layout = program.output_layout();
     let by = || format!("the formula `{}`", formula.name);
     let gives = match formula.rule {
@@ -36,7 +36,7 @@ pub(super) fn bind(formula: &'static Formula, program: &Program) -> Result<(Boun
     }
     let records = [program.invocation_record(), program.case_record()];
     let input_words = formula.inputs.iter().map(Param::words).sum();
-    let mut bound = Bound { formula, invocation: Vec::new(), case: Vec::new(), input_words };
+    let mut bound = BoundFormula { formula, invocation: Vec::new(), case: Vec::new(), input_words };
     let mut to = 0;
     for param in formula.inputs {
         let sides = records.iter().zip([&mut bound.invocation, &mut bound.case]);
@@ -65,7 +65,7 @@ pub(super) fn bind(formula: &'static Formula, program: &Program) -> Result<(Boun
     Ok((bound, judged))
 }
 
-impl Bound {
+impl BoundFormula {
     /// Room for the inputs of one evaluation.
     pub fn scratch(&self) -> Vec<f64> {
         vec![0.0; self.input_words]

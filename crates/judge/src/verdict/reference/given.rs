@@ -47,7 +47,7 @@ pub(super) fn bind(rules: &[Given], program: &Program) -> Result<Vec<usize>, Ref
 }
 
 /// What the rules give for one invocation.
-pub(super) fn eval(rules: &[Given], outputs: &[super::Output], at: (&Batch, usize), expected: &mut Expected) {
+pub(super) fn eval(rules: &[Given], outputs: &[super::JudgedOutput], at: (&Batch, usize), expected: &mut Expected) {
     let (batch, invocation) = at;
     let sample = Sample {
         invocation_record: batch.invocation_record.clone(),

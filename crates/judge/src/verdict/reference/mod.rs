@@ -21,7 +21,7 @@ use program::Program;
 
 pub use error::ReferenceError;
 pub(super) use evaluator::Evaluator;
-use formula::Bound;
+use formula::BoundFormula;
 pub use given::{Given, GivenRule};
 use model::Model;
 pub use recorded::{Recorded, RecordedRow};
@@ -69,10 +69,10 @@ impl Expected {
 pub struct Reference {
     source: ReferenceKind,
     /// For each judged variable: its words in what is expected and in the vertex record.
-    pub(super) outputs: Vec<Output>,
+    pub(super) outputs: Vec<JudgedOutput>,
     pub(super) vertex_words: usize,
     /// What relations see: the judged variables in their order, then all others.
-    pub(super) seen: Vec<Output>,
+    pub(super) seen: Vec<JudgedOutput>,
     fields: Vec<Field>,
     /// Where vectors lie among the inputs of an invocation and of a case.
     vectors: [Arc<[Range<usize>]>; 2],
@@ -80,7 +80,7 @@ pub struct Reference {
 
 #[derive(Clone)]
 enum ReferenceKind {
-    Formula(Bound),
+    Formula(BoundFormula),
     Model(Arc<Model>),
     Given(Arc<[Given]>),
     Recorded(Arc<Recorded>),
@@ -89,7 +89,7 @@ enum ReferenceKind {
 
 /// A judged output variable.
 #[derive(Clone, Debug)]
-pub(super) struct Output {
+pub(super) struct JudgedOutput {
     pub expected: Range<usize>,
     pub actual: Range<usize>,
     pub scalar: Scalar,
@@ -170,11 +170,15 @@ impl Reference {
         for index in judged.iter().copied().chain(rest) {
             let field = &record.fields()[index];
             let words = field.shape.words();
-            seen.push(Output { expected: at..at + words, actual: record.range(index), scalar: field.shape.scalar });
+            seen.push(JudgedOutput {
+                expected: at..at + words,
+                actual: record.range(index),
+                scalar: field.shape.scalar,
+            });
             fields.push(field.clone());
             at += words;
         }
-        let outputs: Vec<Output> = seen[..judged.len()].to_vec();
+        let outputs: Vec<JudgedOutput> = seen[..judged.len()].to_vec();
         let vectors = [program.invocation_record(), program.case_record()].map(|record| vectors(&record));
         Self { source, vertex_words: outputs.last().map_or(0, |o| o.expected.end), outputs, seen, fields, vectors }
     }

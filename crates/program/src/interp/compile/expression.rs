@@ -6,13 +6,17 @@ use naga::{AddressSpace, Arena, Expression, Handle, Literal, RelationalFunction}
 
 use super::super::code::{Inst, Register, Word2};
 use super::super::domain::{Class, Site};
-use super::{Compiler, Frame, InterpError, Pointer, Value, types, unsupported};
+use super::{Compiler, Evaluated, Frame, InterpError, Pointer, types, unsupported};
 use crate::Manner;
 use base::value::Scalar;
 
 impl<'m> Compiler<'m> {
     /// The value of an expression, which has been emitted or needs no emission.
-    pub(super) fn value(&mut self, frame: &mut Frame<'m>, handle: Handle<Expression>) -> Result<Value, InterpError> {
+    pub(super) fn value(
+        &mut self,
+        frame: &mut Frame<'m>,
+        handle: Handle<Expression>,
+    ) -> Result<Evaluated, InterpError> {
         if let Some(value) = frame.values.get(&handle) {
             return Ok(value.clone());
         }
@@ -28,9 +32,9 @@ impl<'m> Compiler<'m> {
         handle: Handle<Expression>,
     ) -> Result<Rc<[Register]>, InterpError> {
         match self.value(frame, handle)? {
-            Value::Registers(registers) => Ok(registers),
-            Value::Pointer(_) => Err(InterpError::internal("a pointer where a value is needed".to_owned())),
-            Value::Image(_) => Err(InterpError::internal("a texture where a value is needed".to_owned())),
+            Evaluated::Registers(registers) => Ok(registers),
+            Evaluated::Pointer(_) => Err(InterpError::internal("a pointer where a value is needed".to_owned())),
+            Evaluated::Image(_) => Err(InterpError::internal("a texture where a value is needed".to_owned())),
         }
     }
 
@@ -52,8 +56,8 @@ impl<'m> Compiler<'m> {
         handle: Handle<Expression>,
     ) -> Result<Pointer, InterpError> {
         match self.value(frame, handle)? {
-            Value::Pointer(pointer) => Ok(pointer),
-            Value::Registers(_) | Value::Image(_) => {
+            Evaluated::Pointer(pointer) => Ok(pointer),
+            Evaluated::Registers(_) | Evaluated::Image(_) => {
                 Err(InterpError::internal("a value where a pointer is needed".to_owned()))
             }
         }
@@ -63,7 +67,7 @@ impl<'m> Compiler<'m> {
         &mut self,
         frame: &mut Frame<'m>,
         handle: Handle<Expression>,
-    ) -> Result<Value, InterpError> {
+    ) -> Result<Evaluated, InterpError> {
         let span = frame.function.expressions.get_span(handle);
         let refuse = |what: &str| Err(unsupported(what.to_owned(), span));
         let site = self.site(frame, handle);
@@ -113,7 +117,7 @@ impl<'m> Compiler<'m> {
             Expression::GlobalVariable(global)
                 if self.module.global_variables[global].space == AddressSpace::Handle =>
             {
-                return Ok(Value::Image(global));
+                return Ok(Evaluated::Image(global));
             }
             Expression::GlobalVariable(global) if self.subject.shared.contains(&global) => {
                 return Ok(self.shared(global));
@@ -174,7 +178,7 @@ impl<'m> Compiler<'m> {
                 return refuse("cooperative matrices");
             }
         };
-        Ok(Value::Registers(registers.into()))
+        Ok(Evaluated::Registers(registers.into()))
     }
 
     /// What a pointer leads to.

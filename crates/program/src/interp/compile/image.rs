@@ -6,7 +6,7 @@ use naga::{StorageAccess, TypeInner};
 use super::super::code::{Inst, Register, Word2};
 use super::super::domain::{Binary, FromWords, Site, ToWords, Unary};
 use super::super::group::{Array, Channel, Extent, Leaf, MemoryAccess, MemoryOp, MemoryShape, Space, Step, Texels};
-use super::{Compiler, Frame, InterpError, Value, unsupported};
+use super::{Compiler, Evaluated, Frame, InterpError, unsupported};
 use base::value::Scalar;
 
 /// Coordinates of a texel: those in its plane or volume, and the layer.
@@ -57,7 +57,7 @@ impl<'m> Compiler<'m> {
         frame: &mut Frame<'m>,
         image: Handle<Expression>,
     ) -> Result<Option<(u32, Texels)>, InterpError> {
-        let Value::Image(global) = self.value(frame, image)? else { return Ok(None) };
+        let Evaluated::Image(global) = self.value(frame, image)? else { return Ok(None) };
         let found = self.subject.shared.iter().position(|&own| own == global);
         let shape = found.and_then(|k| Some((k as u32, self.executable.memories.get(k)?)));
         Ok(shape.and_then(|(k, shape)| Some((k, shape.image.clone()?))))

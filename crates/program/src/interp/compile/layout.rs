@@ -13,7 +13,7 @@ const MAX_WORDS: u32 = 1 << 20;
 
 /// How a memory is laid out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Layout {
+pub(super) enum RegisterLayout {
     /// As a host fills it: by the offsets and strides of the module, in words of so many bytes.
     Host {
         /// 4, or 2.
@@ -23,7 +23,7 @@ pub(super) enum Layout {
     Packed,
 }
 
-impl Layout {
+impl RegisterLayout {
     pub(super) fn of(module: &Module, variable: &GlobalVariable) -> Self {
         if variable.space == AddressSpace::WorkGroup {
             return Self::Packed;
@@ -167,10 +167,10 @@ impl Layout {
 }
 
 /// Words that a scalar takes.
-fn leaf_words(layout: Layout, leaf: &Leaf) -> u32 {
+fn leaf_words(layout: RegisterLayout, leaf: &Leaf) -> u32 {
     match layout {
-        Layout::Host { unit: 2 } if !leaf.short => 2,
-        Layout::Host { .. } | Layout::Packed => 1,
+        RegisterLayout::Host { unit: 2 } if !leaf.short => 2,
+        RegisterLayout::Host { .. } | RegisterLayout::Packed => 1,
     }
 }
 
@@ -190,7 +190,7 @@ pub(super) fn shape(module: &Module, handle: Handle<GlobalVariable>) -> Result<M
         return image;
     }
     let variable = &module.global_variables[handle];
-    let layout = Layout::of(module, variable);
+    let layout = RegisterLayout::of(module, variable);
     let inner = &module.types[variable.ty].inner;
     let mut fixed = Vec::new();
     layout.leaves(module, inner, ("", &[]), 0, &mut fixed)?;
@@ -226,8 +226,8 @@ pub(super) fn shape(module: &Module, handle: Handle<GlobalVariable>) -> Result<M
         .unwrap_or(0)
         .max(array.as_ref().map_or(0, |a| a.offset));
     let unit = match layout {
-        Layout::Host { unit } => unit,
-        Layout::Packed => 4,
+        RegisterLayout::Host { unit } => unit,
+        RegisterLayout::Packed => 4,
     };
     let name = variable.name.clone().unwrap_or_default();
     let axes = crate::build::axes_of_texels(&module.types[variable.ty]);

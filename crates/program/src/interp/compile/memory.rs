@@ -6,7 +6,7 @@ use naga::{Expression, Handle, TypeInner};
 
 use super::super::code::{Choice, Inst, Register, Stray, Word2};
 use super::super::domain::Site;
-use super::{Compiler, Frame, Index, InterpError, Pointer, Value, types, unsupported};
+use super::{Compiler, Evaluated, Frame, Index, InterpError, Pointer, types, unsupported};
 use base::value::Scalar;
 
 /// Places among which one load or store can choose.
@@ -141,18 +141,18 @@ impl<'m> Compiler<'m> {
         frame: &mut Frame<'m>,
         base: Handle<Expression>,
         index: u32,
-    ) -> Result<Value, InterpError> {
+    ) -> Result<Evaluated, InterpError> {
         let value = self.value(frame, base)?;
         let inner = self.pointee(frame, base);
-        if let Value::Pointer(pointer @ Pointer { memory: Some(_), .. }) = &value {
+        if let Evaluated::Pointer(pointer @ Pointer { memory: Some(_), .. }) = &value {
             return self.shared_part(frame, pointer, (base, &inner), index);
         }
         let part = types::part(self.module, &inner, index);
         let (at, len) = part.ok_or_else(|| unsupported("this kind of access".to_owned(), frame.span))?;
         Ok(match value {
-            Value::Registers(registers) => Value::Registers(registers[at..at + len].into()),
-            Value::Pointer(pointer) => Value::Pointer(Pointer { offset: pointer.offset + at, ..pointer }),
-            Value::Image(_) => return Err(unsupported("this kind of access".to_owned(), frame.span)),
+            Evaluated::Registers(registers) => Evaluated::Registers(registers[at..at + len].into()),
+            Evaluated::Pointer(pointer) => Evaluated::Pointer(Pointer { offset: pointer.offset + at, ..pointer }),
+            Evaluated::Image(_) => return Err(unsupported("this kind of access".to_owned(), frame.span)),
         })
     }
 
@@ -163,20 +163,24 @@ impl<'m> Compiler<'m> {
         site: Site,
         base: Handle<Expression>,
         index: Handle<Expression>,
-    ) -> Result<Value, InterpError> {
+    ) -> Result<Evaluated, InterpError> {
         let value = self.value(frame, base)?;
         let index = self.single(frame, index)?.reg;
         let inner = self.pointee(frame, base);
-        if let Value::Pointer(pointer @ Pointer { memory: Some(_), .. }) = &value {
+        if let Evaluated::Pointer(pointer @ Pointer { memory: Some(_), .. }) = &value {
             return Self::shared_element(self.module, frame, pointer, &inner, (index, site));
         }
         let elements = types::elements(self.module, &inner);
         let (stride, len) = elements.ok_or_else(|| unsupported("this kind of access".to_owned(), frame.span))?;
         if let Some(at) = self.number(index).map(|at| at as usize).filter(|&at| at < len) {
             return Ok(match value {
-                Value::Registers(registers) => Value::Registers(registers[at * stride..(at + 1) * stride].into()),
-                Value::Pointer(pointer) => Value::Pointer(Pointer { offset: pointer.offset + at * stride, ..pointer }),
-                Value::Image(image) => Value::Image(image),
+                Evaluated::Registers(registers) => {
+                    Evaluated::Registers(registers[at * stride..(at + 1) * stride].into())
+                }
+                Evaluated::Pointer(pointer) => {
+                    Evaluated::Pointer(Pointer { offset: pointer.offset + at * stride, ..pointer })
+                }
+                Evaluated::Image(image) => Evaluated::Image(image),
             });
         }
         let b = self.word(len as u32, Scalar::U32).reg;
@@ -185,15 +189,15 @@ impl<'m> Compiler<'m> {
         let stray = Stray { reg: index, len: len as u32, site };
         let step = Index { reg, stride, len, stray };
         Ok(match value {
-            Value::Registers(variable) => {
+            Evaluated::Registers(variable) => {
                 let pointer = Pointer { variable, constant: true, offset: 0, indices: vec![step], memory: None };
-                Value::Registers(self.load(frame, site, &pointer, stride)?.into())
+                Evaluated::Registers(self.load(frame, site, &pointer, stride)?.into())
             }
-            Value::Pointer(mut pointer) => {
+            Evaluated::Pointer(mut pointer) => {
                 pointer.indices.push(step);
-                Value::Pointer(pointer)
+                Evaluated::Pointer(pointer)
             }
-            Value::Image(image) => Value::Image(image),
+            Evaluated::Image(image) => Evaluated::Image(image),
         })
     }
 
@@ -207,7 +211,7 @@ impl<'m> Compiler<'m> {
         }
     }
 
-    pub(super) fn whole(variable: Rc<[Register]>, constant: bool) -> Value {
-        Value::Pointer(Pointer { variable, constant, offset: 0, indices: Vec::new(), memory: None })
+    pub(super) fn whole(variable: Rc<[Register]>, constant: bool) -> Evaluated {
+        Evaluated::Pointer(Pointer { variable, constant, offset: 0, indices: Vec::new(), memory: None })
     }
 }

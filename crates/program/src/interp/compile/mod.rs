@@ -34,7 +34,7 @@ use super::rearrange::Draft;
 use crate::Written;
 use crate::{Entry, Manners, PortAt, Texture};
 use base::value::Scalar;
-use layout::Layout;
+use layout::RegisterLayout;
 
 /// Where a value of the interface lies.
 #[derive(Clone, Debug)]
@@ -103,7 +103,7 @@ pub(in crate::interp) fn shape(module: &Module, handle: Handle<GlobalVariable>) 
 
 /// What an expression stands for.
 #[derive(Clone, Debug)]
-enum Value {
+enum Evaluated {
     Registers(Rc<[Register]>),
     Pointer(Pointer),
     /// A texture, a sampler or a storage image.
@@ -129,7 +129,7 @@ struct Pointer {
 #[derive(Clone, Debug)]
 struct Memory {
     index: u32,
-    layout: Layout,
+    layout: RegisterLayout,
     /// Dynamic indices, outermost first.
     steps: Vec<Step>,
 }
@@ -152,9 +152,9 @@ struct Frame<'m> {
     handle: Option<Handle<Function>>,
     function: &'m Function,
     info: &'m FunctionInfo,
-    arguments: Vec<Value>,
+    arguments: Vec<Evaluated>,
     locals: HashMap<Handle<LocalVariable>, Rc<[Register]>>,
-    values: HashMap<Handle<Expression>, Value>,
+    values: HashMap<Handle<Expression>, Evaluated>,
     result: Rc<[Register]>,
     /// Where instructions are added now, for messages.
     span: naga::Span,
@@ -263,7 +263,7 @@ impl<'m> Compiler<'m> {
         for &(k, built_in) in self.subject.built_ins {
             let registers = self.variable(function.arguments[k as usize].ty, naga::Span::UNDEFINED)?;
             self.executable.numbers.push((built_in, registers.to_vec()));
-            arguments[k as usize] = Some(Value::Registers(registers));
+            arguments[k as usize] = Some(Evaluated::Registers(registers));
         }
         for &handle in self.subject.shared {
             let shape = layout::shape(self.module, handle);
@@ -281,7 +281,7 @@ impl<'m> Compiler<'m> {
         self.executable.outputs = outputs;
         let dispatched = self.subject.dispatch.is_some();
         // Each invocation of a dispatch has arguments of its own.
-        let arguments: Option<Vec<Value>> = arguments.into_iter().filter(|a| a.is_some() || !dispatched).collect();
+        let arguments: Option<Vec<Evaluated>> = arguments.into_iter().filter(|a| a.is_some() || !dispatched).collect();
         let arguments = arguments
             .ok_or_else(|| InterpError::internal("an argument of the entry point is fed by nothing".to_owned()))?;
         // What is fed, or marked as never written, keeps that.
@@ -312,13 +312,13 @@ impl<'m> Compiler<'m> {
     fn place_input(
         &mut self,
         binding: &Binding,
-        arguments: &mut [Option<Value>],
+        arguments: &mut [Option<Evaluated>],
     ) -> Result<Vec<Register>, InterpError> {
         let strange = || InterpError::internal(format!("input `{}` at {:?}", binding.name, binding.at));
         match binding.at {
             PortAt::Argument(k) => {
                 let registers = self.variable(binding.ty, naga::Span::UNDEFINED)?;
-                *arguments.get_mut(k as usize).ok_or_else(strange)? = Some(Value::Registers(registers.clone()));
+                *arguments.get_mut(k as usize).ok_or_else(strange)? = Some(Evaluated::Registers(registers.clone()));
                 Ok(registers.to_vec())
             }
             PortAt::Reference(k) => {
@@ -330,14 +330,15 @@ impl<'m> Compiler<'m> {
                     indices: Vec::new(),
                     memory: None,
                 };
-                *arguments.get_mut(k as usize).ok_or_else(strange)? = Some(Value::Pointer(pointer));
+                *arguments.get_mut(k as usize).ok_or_else(strange)? = Some(Evaluated::Pointer(pointer));
                 Ok(registers.to_vec())
             }
             PortAt::Arguments { first, count } => {
                 let registers = self.variable(binding.ty, naga::Span::UNDEFINED)?;
                 let each = registers.len() / (count as usize).max(1);
                 for (k, part) in registers.chunks(each.max(1)).enumerate() {
-                    *arguments.get_mut(first as usize + k).ok_or_else(strange)? = Some(Value::Registers(part.into()));
+                    *arguments.get_mut(first as usize + k).ok_or_else(strange)? =
+                        Some(Evaluated::Registers(part.into()));
                 }
                 Ok(registers.to_vec())
             }
@@ -387,7 +388,7 @@ impl<'m> Compiler<'m> {
     fn place_output(
         &mut self,
         binding: &Binding,
-        arguments: &mut [Option<Value>],
+        arguments: &mut [Option<Evaluated>],
         result: &Rc<[Register]>,
         filled: &[Register],
     ) -> Result<Vec<Register>, InterpError> {
@@ -407,8 +408,8 @@ impl<'m> Compiler<'m> {
             PortAt::Reference(k) => {
                 let place = arguments.get_mut(k as usize).ok_or_else(strange)?;
                 let registers = match place {
-                    Some(Value::Pointer(pointer)) => pointer.variable.clone(),
-                    Some(Value::Registers(_) | Value::Image(_)) => return Err(strange()),
+                    Some(Evaluated::Pointer(pointer)) => pointer.variable.clone(),
+                    Some(Evaluated::Registers(_) | Evaluated::Image(_)) => return Err(strange()),
                     None => {
                         let variable = self.variable(binding.ty, naga::Span::UNDEFINED)?;
                         let pointer = Pointer {
@@ -418,7 +419,7 @@ impl<'m> Compiler<'m> {
                             indices: Vec::new(),
                             memory: None,
                         };
-                        *place = Some(Value::Pointer(pointer));
+                        *place = Some(Evaluated::Pointer(pointer));
                         variable
                     }
                 };

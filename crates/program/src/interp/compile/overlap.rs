@@ -5,10 +5,10 @@ use std::rc::Rc;
 use naga::{Expression, Handle, Statement};
 
 use super::super::code::{Inst, Reg, Register};
-use super::{Compiler, Frame, Pointer, Value, types};
+use super::{Compiler, Evaluated, Frame, Pointer, types};
 
 /// Scalars of a variable that a call writes.
-struct Target {
+struct OutTarget {
     /// Which argument.
     argument: usize,
     to: Pointer,
@@ -30,11 +30,11 @@ impl<'m> Compiler<'m> {
     pub(super) fn note_overlaps(
         &mut self,
         frame: &mut Frame<'m>,
-        (arguments, values): (&[Handle<Expression>], &[Value]),
+        (arguments, values): (&[Handle<Expression>], &[Evaluated]),
         rest: &'m [Statement],
         span: naga::Span,
     ) {
-        let passed: Vec<usize> = (0..values.len()).filter(|&k| matches!(values[k], Value::Pointer(_))).collect();
+        let passed: Vec<usize> = (0..values.len()).filter(|&k| matches!(values[k], Evaluated::Pointer(_))).collect();
         if passed.len() < 2 {
             return;
         }
@@ -64,9 +64,9 @@ impl<'m> Compiler<'m> {
         &mut self,
         frame: &mut Frame<'m>,
         (argument, handle): (usize, Handle<Expression>),
-        value: &Value,
+        value: &Evaluated,
         rest: &'m [Statement],
-    ) -> Vec<Target> {
+    ) -> Vec<OutTarget> {
         let mut all = Vec::new();
         for statement in rest {
             match statement {
@@ -79,8 +79,8 @@ impl<'m> Compiler<'m> {
                     );
                     // The place of a part is known already: it was looked up before the call.
                     let known = whole || frame.values.contains_key(pointer);
-                    if let Some(Value::Pointer(to)) = known.then(|| self.value(frame, *pointer).ok()).flatten() {
-                        all.push(Target { argument, to, len: self.pointed(frame, *pointer) });
+                    if let Some(Evaluated::Pointer(to)) = known.then(|| self.value(frame, *pointer).ok()).flatten() {
+                        all.push(OutTarget { argument, to, len: self.pointed(frame, *pointer) });
                     }
                 }
                 Statement::Store { .. } => {}
@@ -88,16 +88,16 @@ impl<'m> Compiler<'m> {
             }
         }
         match value {
-            Value::Pointer(to) if all.is_empty() => {
-                vec![Target { argument, to: to.clone(), len: self.pointed(frame, handle) }]
+            Evaluated::Pointer(to) if all.is_empty() => {
+                vec![OutTarget { argument, to: to.clone(), len: self.pointed(frame, handle) }]
             }
-            Value::Pointer(_) | Value::Registers(_) | Value::Image(_) => all,
+            Evaluated::Pointer(_) | Evaluated::Registers(_) | Evaluated::Image(_) => all,
         }
     }
 
     /// The scalars that the function itself writes.
-    fn passed_registers(&self, frame: &Frame<'m>, handle: Handle<Expression>, value: &Value) -> Vec<Register> {
-        let Value::Pointer(pointer) = value else { return Vec::new() };
+    fn passed_registers(&self, frame: &Frame<'m>, handle: Handle<Expression>, value: &Evaluated) -> Vec<Register> {
+        let Evaluated::Pointer(pointer) = value else { return Vec::new() };
         let registers = pointer.variable.get(pointer.offset..pointer.offset + self.pointed(frame, handle));
         registers.filter(|_| pointer.indices.is_empty()).map(<[Register]>::to_vec).unwrap_or_default()
     }
@@ -133,7 +133,7 @@ fn part_of(frame: &Frame<'_>, pointer: Handle<Expression>) -> Option<Handle<Expr
     }
 }
 
-fn meeting(a: &Target, b: &Target) -> Meeting {
+fn meeting(a: &OutTarget, b: &OutTarget) -> Meeting {
     // Places in shared memory are told apart while they are written.
     if a.to.memory.is_some() || b.to.memory.is_some() {
         return Meeting::Never;
@@ -141,7 +141,7 @@ fn meeting(a: &Target, b: &Target) -> Meeting {
     if !Rc::ptr_eq(&a.to.variable, &b.to.variable) && a.to.variable.first() != b.to.variable.first() {
         return Meeting::Never;
     }
-    let range = |t: &Target| t.to.offset..t.to.offset + t.len;
+    let range = |t: &OutTarget| t.to.offset..t.to.offset + t.len;
     let meet = |a: std::ops::Range<usize>, b: std::ops::Range<usize>| a.start < b.end && b.start < a.end;
     match (&a.to.indices[..], &b.to.indices[..]) {
         ([], []) if meet(range(a), range(b)) => Meeting::Always,

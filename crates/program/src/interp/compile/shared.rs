@@ -7,17 +7,17 @@ use naga::{AtomicFunction, Barrier, Expression, GlobalVariable, Handle, Module, 
 use super::super::code::{Inst, Reg, Register};
 use super::super::domain::Site;
 use super::super::group::{Combine, Extent, MemoryAccess, MemoryOp, Step};
-use super::layout::Layout;
-use super::{Compiler, Frame, InterpError, Memory, Pointer, Value, unsupported};
+use super::layout::RegisterLayout;
+use super::{Compiler, Evaluated, Frame, InterpError, Memory, Pointer, unsupported};
 use base::value::Scalar;
 
 impl<'m> Compiler<'m> {
     /// A pointer to a whole variable.
-    pub(super) fn shared(&self, global: Handle<GlobalVariable>) -> Value {
+    pub(super) fn shared(&self, global: Handle<GlobalVariable>) -> Evaluated {
         let index = self.subject.shared.iter().position(|&own| own == global).unwrap_or_default() as u32;
-        let layout = Layout::of(self.module, &self.module.global_variables[global]);
+        let layout = RegisterLayout::of(self.module, &self.module.global_variables[global]);
         let memory = Some(Memory { index, layout, steps: Vec::new() });
-        Value::Pointer(Pointer { variable: Rc::from([]), constant: false, offset: 0, indices: Vec::new(), memory })
+        Evaluated::Pointer(Pointer { variable: Rc::from([]), constant: false, offset: 0, indices: Vec::new(), memory })
     }
 
     /// A part of memory with a known index.
@@ -27,7 +27,7 @@ impl<'m> Compiler<'m> {
         pointer: &Pointer,
         (base, inner): (Handle<Expression>, &TypeInner),
         index: u32,
-    ) -> Result<Value, InterpError> {
+    ) -> Result<Evaluated, InterpError> {
         let refused = || unsupported("this kind of access".to_owned(), frame.span);
         let layout = pointer.memory.as_ref().map(|memory| memory.layout).ok_or_else(refused)?;
         // What is behind the elements that there are is found where it is used.
@@ -36,7 +36,7 @@ impl<'m> Compiler<'m> {
             return Self::shared_element(self.module, frame, pointer, inner, (reg, site));
         }
         let at = layout.part(self.module, inner, index).ok_or_else(refused)?;
-        Ok(Value::Pointer(Pointer { offset: pointer.offset + at as usize, ..pointer.clone() }))
+        Ok(Evaluated::Pointer(Pointer { offset: pointer.offset + at as usize, ..pointer.clone() }))
     }
 
     /// A part of memory with an index of each slot's own.
@@ -46,14 +46,14 @@ impl<'m> Compiler<'m> {
         pointer: &Pointer,
         inner: &TypeInner,
         (reg, site): (u32, Site),
-    ) -> Result<Value, InterpError> {
+    ) -> Result<Evaluated, InterpError> {
         let refused = || unsupported("this kind of access".to_owned(), frame.span);
         let mut pointer = pointer.clone();
         let memory = pointer.memory.as_mut().ok_or_else(refused)?;
         let (stride, len) = memory.layout.elements(module, inner).ok_or_else(refused)?;
         let len = len.map_or(Extent::Elements, Extent::Fixed);
         memory.steps.push(Step { reg, stride, len, site });
-        Ok(Value::Pointer(pointer))
+        Ok(Evaluated::Pointer(pointer))
     }
 
     fn access(pointer: &Pointer, op: MemoryOp, inner: &TypeInner, site: Site) -> Result<Inst, InterpError> {
@@ -71,7 +71,7 @@ impl<'m> Compiler<'m> {
 
     /// Where the scalars of a type lie behind a pointer.
     fn places(&self, pointer: &Pointer, inner: &TypeInner) -> Result<Vec<(Scalar, u32)>, String> {
-        let layout = pointer.memory.as_ref().map_or(Layout::Packed, |memory| memory.layout);
+        let layout = pointer.memory.as_ref().map_or(RegisterLayout::Packed, |memory| memory.layout);
         layout.scalars(self.module, inner)
     }
 
@@ -131,7 +131,7 @@ impl<'m> Compiler<'m> {
         if let (Some(result), Some(before)) = (result, before) {
             let mut all = vec![before];
             all.extend(exchanged.map(|reg| Register { scalar: Scalar::Bool, reg }));
-            frame.values.insert(result, Value::Registers(all.into()));
+            frame.values.insert(result, Evaluated::Registers(all.into()));
         }
         Ok(())
     }
@@ -183,7 +183,7 @@ impl<'m> Compiler<'m> {
         let site = self.statement_site(frame, span);
         let loaded = self.load_shared(site, &place, &inner).map_err(|what| unsupported(what, span))?;
         self.barrier(frame, Barrier::WORK_GROUP, span)?;
-        frame.values.insert(result, Value::Registers(loaded.into()));
+        frame.values.insert(result, Evaluated::Registers(loaded.into()));
         Ok(())
     }
 

@@ -9,7 +9,7 @@ use naga::{Block, Expression, Function, Handle, Statement, SwitchValue};
 use super::super::code::{Case, File, Inst, Place, Reg, Register};
 use super::super::domain::Site;
 use super::super::meaning::HazardKind;
-use super::{Compiler, Frame, InterpError, Value, unsupported};
+use super::{Compiler, Evaluated, Frame, InterpError, unsupported};
 use crate::NO_RETURN;
 
 /// Deepest chain of calls; naga allows no recursion.
@@ -24,7 +24,7 @@ impl<'m> Compiler<'m> {
         handle: Option<Handle<Function>>,
         function: &'m Function,
         info: &'m FunctionInfo,
-        arguments: Vec<Value>,
+        arguments: Vec<Evaluated>,
         result: Rc<[Register]>,
     ) -> Result<Vec<Inst>, InterpError> {
         let outside = std::mem::take(&mut self.code);
@@ -39,7 +39,7 @@ impl<'m> Compiler<'m> {
         handle: Option<Handle<Function>>,
         function: &'m Function,
         info: &'m FunctionInfo,
-        arguments: Vec<Value>,
+        arguments: Vec<Evaluated>,
         result: Rc<[Register]>,
     ) -> Result<Frame<'m>, InterpError> {
         let mut frame = Frame {
@@ -89,8 +89,8 @@ impl<'m> Compiler<'m> {
         for (handle, expression) in frame.function.expressions.iter() {
             let &Expression::FunctionArgument(index) = expression else { continue };
             let site = self.site(frame, handle);
-            if let Some(Value::Registers(registers)) = frame.arguments.get(index as usize).cloned() {
-                frame.arguments[index as usize] = Value::Registers(self.narrowed(site, &registers).into());
+            if let Some(Evaluated::Registers(registers)) = frame.arguments.get(index as usize).cloned() {
+                frame.arguments[index as usize] = Evaluated::Registers(self.narrowed(site, &registers).into());
             }
         }
     }
@@ -301,7 +301,7 @@ impl<'m> Compiler<'m> {
             let copies = self.copies(&registers);
             let site = self.site(frame, result);
             let copies = self.narrowed(site, &copies);
-            frame.values.insert(result, Value::Registers(copies.into()));
+            frame.values.insert(result, Evaluated::Registers(copies.into()));
         }
         Ok(())
     }

@@ -4,7 +4,7 @@ use naga::{CollectiveOperation, Direction, Expression, GatherMode, Handle, State
 
 use super::super::code::{Inst, Register};
 use super::super::group::{Fold, From, Subgroup, SubgroupOp};
-use super::{Compiler, Frame, InterpError, Value, unsupported};
+use super::{Compiler, Evaluated, Frame, InterpError, unsupported};
 use base::value::Scalar;
 
 impl<'m> Compiler<'m> {
@@ -54,7 +54,7 @@ impl<'m> Compiler<'m> {
         // Numbers of binary16 are rounded to such.
         let of_result = self.site(frame, result);
         let given = self.narrowed(of_result, &to);
-        frame.values.insert(result, Value::Registers(given.into()));
+        frame.values.insert(result, Evaluated::Registers(given.into()));
         Ok(())
     }
 }

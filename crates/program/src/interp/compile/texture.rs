@@ -7,7 +7,7 @@ use naga::{Expression, Handle, ImageQuery, SampleLevel, SwizzleComponent};
 
 use super::super::code::{Inst, Register, Word2};
 use super::super::domain::{Binary, Comparison, FromWords, Site, ToWords, Unary};
-use super::{Compiler, Frame, InterpError, Value, unsupported};
+use super::{Compiler, Evaluated, Frame, InterpError, unsupported};
 use crate::Texture;
 use crate::texture::{Dimension, Texel};
 use base::value::Scalar;
@@ -17,7 +17,7 @@ type Bound<'m> = (u32, &'m Texture);
 
 /// Where a lookup lands: the coordinates of a texel in a layer or slice, and that.
 #[derive(Clone, Copy)]
-struct At {
+struct TexelAt {
     x: Register,
     y: Register,
     layer: Register,
@@ -30,7 +30,7 @@ impl<'m> Compiler<'m> {
         image: Handle<Expression>,
         span: naga::Span,
     ) -> Result<Bound<'m>, InterpError> {
-        let Value::Image(global) = self.value(frame, image)? else {
+        let Evaluated::Image(global) = self.value(frame, image)? else {
             return Err(unsupported("a texture that is computed".to_owned(), span));
         };
         let found = self.subject.textures.iter().position(|t| t.image == global);
@@ -119,7 +119,7 @@ impl<'m> Compiler<'m> {
             Some(layer) => self.single(frame, layer)?,
             None => get(2),
         };
-        let at = At { x: get(0), y: get(1), layer };
+        let at = TexelAt { x: get(0), y: get(1), layer };
         let mut inside = self.below(site, at.x, width);
         for (one, size) in [(at.y, height), (at.layer, depth)] {
             let more = self.below(site, one, size);
@@ -220,7 +220,7 @@ impl<'m> Compiler<'m> {
         layer: Register,
         offset: &[i32],
         span: naga::Span,
-    ) -> Result<At, InterpError> {
+    ) -> Result<TexelAt, InterpError> {
         let zero = self.word(0, Scalar::I32);
         let mut at = [zero, zero, layer];
         let sizes = texture.contents.size();
@@ -234,7 +234,7 @@ impl<'m> Compiler<'m> {
             let texel = self.texel_of(site, u, size, 0.0, (-offset, last - offset));
             at[k] = self.plus(site, texel, offset);
         }
-        Ok(At { x: at[0], y: at[1], layer: at[2] })
+        Ok(TexelAt { x: at[0], y: at[1], layer: at[2] })
     }
 
     /// The four texels around a point: (i0, j1), (i1, j1), (i1, j0), (i0, j0).
@@ -269,7 +269,7 @@ impl<'m> Compiler<'m> {
         let channel = if texture.1.kind.texel == Texel::Depth { 0 } else { component as u8 };
         let mut all = Vec::with_capacity(4);
         for (x, y) in [(i0, j1), (i1, j1), (i1, j0), (i0, j0)] {
-            let texel = self.fetched(site, texture, At { x, y, layer }, channel, None);
+            let texel = self.fetched(site, texture, TexelAt { x, y, layer }, channel, None);
             all.push(match reference {
                 Some(reference) => self.compared(site, reference, texel),
                 None => texel,
@@ -351,7 +351,7 @@ impl<'m> Compiler<'m> {
         &mut self,
         site: Site,
         (table, texture): Bound<'m>,
-        at: At,
+        at: TexelAt,
         channel: u8,
         inside: Option<Register>,
     ) -> Register {

@@ -14,7 +14,7 @@ use super::super::code::{Case, Inst, Reg, Register, Word1, Word2};
 use super::super::integer;
 use super::super::meaning::HazardKind;
 use super::super::slots::SLOTS;
-use super::{Compiler, Frame, InterpError, Value, unsupported};
+use super::{Compiler, Evaluated, Frame, InterpError, unsupported};
 use base::value::Scalar;
 
 /// Invocations of a workgroup at most; devices have 1,024, or a few more.
@@ -35,7 +35,7 @@ type Own = HashMap<Handle<GlobalVariable>, Rc<[Register]>>;
 pub(super) type Stretch = (Option<Handle<Function>>, Option<std::ops::Range<usize>>);
 
 /// A call of a function, with its arguments and where its result goes.
-type Call<'m> = (Option<Handle<Function>>, &'m Function, &'m FunctionInfo, Vec<Value>, Rc<[Register]>);
+type Call<'m> = (Option<Handle<Function>>, &'m Function, &'m FunctionInfo, Vec<Evaluated>, Rc<[Register]>);
 
 impl<'m> Compiler<'m> {
     /// The code of all workgroups.
@@ -93,7 +93,7 @@ impl<'m> Compiler<'m> {
         (groups, group): ([u32; 3], [u32; 3]),
         (size, local): ([u32; 3], [u32; 3]),
         at: naga::Span,
-    ) -> Result<Vec<Value>, InterpError> {
+    ) -> Result<Vec<Evaluated>, InterpError> {
         let mut values = Vec::new();
         for argument in &function.arguments {
             let built_in = match argument.binding {
@@ -113,7 +113,7 @@ impl<'m> Compiler<'m> {
                 BuiltIn::LocalInvocationIndex => vec![local[0] + size[0] * (local[1] + size[1] * local[2])],
                 other => return Err(unsupported(format!("a dispatch with {other:?}"), at)),
             };
-            values.push(Value::Registers(words.into_iter().map(|w| self.word(w, Scalar::U32)).collect()));
+            values.push(Evaluated::Registers(words.into_iter().map(|w| self.word(w, Scalar::U32)).collect()));
         }
         Ok(values)
     }
@@ -282,7 +282,7 @@ impl<'m> Compiler<'m> {
                         let len = super::types::count(this.module, &inner).map_err(|what| unsupported(what, span))?;
                         let place = this.pointer(frame, *pointer)?;
                         let loaded = this.load(frame, site, &place, len)?;
-                        frame.values.insert(*result, Value::Registers(loaded.into()));
+                        frame.values.insert(*result, Evaluated::Registers(loaded.into()));
                         Ok(())
                     })?;
                 }
@@ -355,7 +355,7 @@ impl<'m> Compiler<'m> {
             invocation.own = own;
             if let Some(result) = result {
                 let copies = self.copies(&registers);
-                invocation.frame.values.insert(result, Value::Registers(copies.into()));
+                invocation.frame.values.insert(result, Evaluated::Registers(copies.into()));
             }
         }
         Ok(())

@@ -5,10 +5,10 @@ use super::super::slots::{Mask, SLOTS};
 use super::access::{Combine, MemoryAccess, MemoryOp};
 use super::cells::InMemory;
 use super::memory::{Access, Effect, Incident, Party, Wrong};
-use super::{Group, Space, placed};
+use super::{Space, Workgroup, placed};
 use base::value::Scalar;
 
-impl<'e, D: InMemory> Group<'e, '_, D> {
+impl<'e, D: InMemory> Workgroup<'e, '_, D> {
     /// Carries out an access in all invocations that are here, one after the other.
     pub(super) fn access(&mut self, access: &'e MemoryAccess) {
         self.notice_doubts();

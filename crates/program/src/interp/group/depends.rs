@@ -109,7 +109,7 @@ impl Uses {
 }
 
 #[derive(Default)]
-struct Pass {
+struct DependencePass {
     registers: HashMap<(File, Reg), Sources>,
     contents: HashMap<u32, Sources>,
     /// Conditions under which invocations leave a block early.
@@ -122,7 +122,7 @@ struct Pass {
 impl Executable {
     /// What each place depends on.
     pub fn depends(&self) -> Depends {
-        let mut pass = Pass::default();
+        let mut pass = DependencePass::default();
         let mut body = self.draft.body.clone();
         loop {
             pass.changed = false;
@@ -259,7 +259,7 @@ fn reads(body: &mut [Inst], held: &mut HashSet<Reg>, constants: &HashSet<Reg>) -
     })
 }
 
-impl Pass {
+impl DependencePass {
     fn note(&mut self, site: Site, leads: Sources, reached: Sources) {
         let own = self.sites.entry(site).or_default();
         let all = (own.0.or(leads), own.1.or(reached));

@@ -154,7 +154,7 @@ impl Executable {
             }
         };
         let contents = self.memories.iter().zip(dispatch.buffers).map(fill).collect();
-        let mut group = Group {
+        let mut group = Workgroup {
             executable: self,
             dispatch,
             machines,
@@ -214,7 +214,7 @@ impl<C: Copy> Left<C> {
 }
 
 /// A workgroup after the other.
-struct Group<'e, 'd, D: InMemory> {
+struct Workgroup<'e, 'd, D: InMemory> {
     executable: &'e Executable,
     dispatch: &'d Dispatch<'d>,
     machines: Vec<Machine<'e, D>>,
@@ -239,7 +239,7 @@ struct Group<'e, 'd, D: InMemory> {
     doubts_noticed: bool,
 }
 
-impl<'e, D: InMemory> Group<'e, '_, D> {
+impl<'e, D: InMemory> Workgroup<'e, '_, D> {
     fn goes_on(&self) -> bool {
         self.work > 0 && !interrupt::asked()
     }

@@ -8,7 +8,7 @@ use super::super::domain::Site;
 use super::super::slots::{Mask, SLOTS};
 use super::cells::{InMemory, RealCombine};
 use super::memory::{Access, Incident, Party, Wrong};
-use super::{Executable, Group};
+use super::{Executable, Workgroup};
 use base::value::Scalar;
 
 /// Invocations of a subgroup where nothing else is said; a divisor of [`SLOTS`], as all widths are.
@@ -83,7 +83,7 @@ impl Subgroup {
 
 /// A value of one invocation.
 #[derive(Clone, Copy)]
-enum Value<C> {
+enum SubgroupValue<C> {
     Word(u32),
     Real(C),
 }
@@ -114,7 +114,7 @@ pub(super) fn is_of_subgroups(built_in: naga::BuiltIn) -> bool {
     matches!(built_in, NumSubgroups | SubgroupId | SubgroupInvocationId | SubgroupSize)
 }
 
-impl<'e, D: InMemory> Group<'e, '_, D> {
+impl<'e, D: InMemory> Workgroup<'e, '_, D> {
     /// Carries out an operation in all subgroups.
     pub(super) fn subgroup(&mut self, inst: &'e Subgroup) {
         let width = self.dispatch.subgroup as usize;
@@ -138,8 +138,8 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
                 let results = self.results(inst, component, first, &here);
                 for (&k, result) in here.iter().zip(results) {
                     match result {
-                        Value::Word(word) => self.machines[k / SLOTS].words[to.reg as usize][k % SLOTS] = word,
-                        Value::Real(cell) => cells[k / SLOTS][component][k % SLOTS] = cell,
+                        SubgroupValue::Word(word) => self.machines[k / SLOTS].words[to.reg as usize][k % SLOTS] = word,
+                        SubgroupValue::Real(cell) => cells[k / SLOTS][component][k % SLOTS] = cell,
                     }
                 }
             }
@@ -169,36 +169,36 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
         self.log.report(Incident { what, memory: None, word: None, index: None, who, other, count: 1 });
     }
 
-    fn value(&self, from: Register, k: usize) -> Value<D::Cell> {
+    fn value(&self, from: Register, k: usize) -> SubgroupValue<D::Cell> {
         let machine = &self.machines[k / SLOTS];
         match from.file() {
-            File::Word => Value::Word(machine.words[from.reg as usize][k % SLOTS]),
-            File::Real => Value::Real(machine.domain.kept(&machine.reals[from.reg as usize], k % SLOTS)),
+            File::Word => SubgroupValue::Word(machine.words[from.reg as usize][k % SLOTS]),
+            File::Real => SubgroupValue::Real(machine.domain.kept(&machine.reals[from.reg as usize], k % SLOTS)),
         }
     }
 
     /// What each invocation that is here gets of a component.
-    fn results(&self, inst: &Subgroup, component: usize, first: usize, here: &[usize]) -> Vec<Value<D::Cell>> {
+    fn results(&self, inst: &Subgroup, component: usize, first: usize, here: &[usize]) -> Vec<SubgroupValue<D::Cell>> {
         match inst.op {
             SubgroupOp::Ballot => {
                 let holds = |k: &&usize| match self.value(inst.args[0], **k) {
-                    Value::Word(word) => word != 0,
-                    Value::Real(_) => false,
+                    SubgroupValue::Word(word) => word != 0,
+                    SubgroupValue::Real(_) => false,
                 };
                 let bit = |k: &usize| (*k - first).checked_sub(32 * component).filter(|bit| *bit < 32);
                 let bits = here.iter().filter(holds).filter_map(bit).fold(0, |bits, bit| bits | 1 << bit);
-                vec![Value::Word(bits); here.len()]
+                vec![SubgroupValue::Word(bits); here.len()]
             }
             SubgroupOp::All(fold) => {
                 let all = self.folded(inst.args[component], fold, here, None);
-                vec![all.last().copied().unwrap_or(Value::Word(0)); here.len()]
+                vec![all.last().copied().unwrap_or(SubgroupValue::Word(0)); here.len()]
             }
             SubgroupOp::UpTo(fold) => self.folded(inst.args[component], fold, here, None),
             SubgroupOp::Before(fold) => {
                 let neutral = u32::from(fold == Fold::Multiply);
                 let neutral = match inst.args[component].file() {
-                    File::Word => Value::Word(neutral),
-                    File::Real => Value::Real(D::cell((neutral as f32).to_bits())),
+                    File::Word => SubgroupValue::Word(neutral),
+                    File::Real => SubgroupValue::Real(D::cell((neutral as f32).to_bits())),
                 };
                 let all = self.folded(inst.args[component], fold, here, Some(neutral));
                 all[..here.len()].to_vec()
@@ -215,17 +215,19 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
         from: Register,
         fold: Fold,
         here: &[usize],
-        neutral: Option<Value<D::Cell>>,
-    ) -> Vec<Value<D::Cell>> {
-        let mut all: Vec<Value<D::Cell>> = neutral.into_iter().collect();
+        neutral: Option<SubgroupValue<D::Cell>>,
+    ) -> Vec<SubgroupValue<D::Cell>> {
+        let mut all: Vec<SubgroupValue<D::Cell>> = neutral.into_iter().collect();
         let mut sum = D::Sum::default();
-        let mut last: Option<Value<D::Cell>> = None;
+        let mut last: Option<SubgroupValue<D::Cell>> = None;
         for &k in here {
             let value = self.value(from, k);
             let next = match (last, value) {
-                (Some(Value::Word(a)), Value::Word(b)) => Value::Word(combined(fold, from.scalar, a, b)),
-                (Some(Value::Real(a)), Value::Real(b)) => {
-                    Value::Real(self.machines[k / SLOTS].domain.combined(of_reals(fold), a, b, &mut sum))
+                (Some(SubgroupValue::Word(a)), SubgroupValue::Word(b)) => {
+                    SubgroupValue::Word(combined(fold, from.scalar, a, b))
+                }
+                (Some(SubgroupValue::Real(a)), SubgroupValue::Real(b)) => {
+                    SubgroupValue::Real(self.machines[k / SLOTS].domain.combined(of_reals(fold), a, b, &mut sum))
                 }
                 _ => value,
             };
@@ -243,7 +245,7 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
         (first, here): (usize, &[usize]),
         k: usize,
         from: From,
-    ) -> Value<D::Cell> {
+    ) -> SubgroupValue<D::Cell> {
         let own = (k - first) as u32;
         let number = inst.number.map_or(0, |reg| self.machines[k / SLOTS].words[reg as usize][k % SLOTS]);
         let wanted = match from {
@@ -259,8 +261,8 @@ impl<'e, D: InMemory> Group<'e, '_, D> {
         let register = inst.args[component];
         match (found, register.file()) {
             (Some(&k), _) => self.value(register, k),
-            (None, File::Word) => Value::Word(self.dispatch.outside),
-            (None, File::Real) => Value::Real(D::cell(self.dispatch.outside)),
+            (None, File::Word) => SubgroupValue::Word(self.dispatch.outside),
+            (None, File::Real) => SubgroupValue::Real(D::cell(self.dispatch.outside)),
         }
     }
 }

@@ -159,7 +159,7 @@ pub(super) fn scene(trial: &mut Trial<'_>, request: &Request, report: &Report) -
                 };
                 let cell = cell(words, &record, state);
                 scene.cells.push(cell);
-                best.see(Candidate::new(place, frame, words, &record, cell), &grid.axes, sample);
+                best.see(SceneCandidate::new(place, frame, words, &record, cell), &grid.axes, sample);
             }
         }
     }
@@ -281,7 +281,7 @@ fn cell(words: &[Seen], record: &Record, state: State) -> Cell {
 }
 
 /// A place that may be among the worst.
-struct Candidate {
+struct SceneCandidate {
     place: usize,
     frame: usize,
     seen: Option<(Measured, Seen)>,
@@ -289,7 +289,7 @@ struct Candidate {
     rank: (u8, f64),
 }
 
-impl Candidate {
+impl SceneCandidate {
     fn new(place: usize, frame: usize, words: &[Seen], record: &Record, cell: Cell) -> Self {
         let weight = |word: &Measured| if word.ratio().is_nan() { -1.0 } else { word.ratio() };
         let worst = measured(words, record).max_by(|a, b| weight(a).total_cmp(&weight(b)));
@@ -338,7 +338,7 @@ impl Candidate {
 /// The worst place of each part of a picture: neighbours are mostly the same case.
 #[derive(Default)]
 struct Best {
-    parts: std::collections::BTreeMap<(usize, usize, usize), (Candidate, Sample)>,
+    parts: std::collections::BTreeMap<(usize, usize, usize), (SceneCandidate, Sample)>,
 }
 
 /// Parts of a side.
@@ -347,7 +347,7 @@ const PARTS: usize = 5;
 impl Best {
     /// Keeps a place if it is the worst of its part. What deviates is worse than what agrees; places that
     /// are inconclusive, and those without an error, are none of the worst.
-    fn see(&mut self, new: Candidate, [across, up]: &[Axis; 2], sample: &Sample) {
+    fn see(&mut self, new: SceneCandidate, [across, up]: &[Axis; 2], sample: &Sample) {
         if new.rank.0 == 0 || (new.rank.0 < 2 && new.rank.1 <= 0.0) {
             return;
         }
@@ -359,8 +359,8 @@ impl Best {
         }
     }
 
-    fn taken(self) -> Vec<(Candidate, Sample)> {
-        let mut all: Vec<(Candidate, Sample)> = self.parts.into_values().collect();
+    fn taken(self) -> Vec<(SceneCandidate, Sample)> {
+        let mut all: Vec<(SceneCandidate, Sample)> = self.parts.into_values().collect();
         // Of equals the first stays first.
         all.sort_by(|(a, _), (b, _)| b.rank.0.cmp(&a.rank.0).then(b.rank.1.total_cmp(&a.rank.1)));
         all.truncate(WORST);
