@@ -88,7 +88,7 @@ fn within(points: &Points, losses: &[Losses], which: &[usize], depth: usize) -> 
         for absolute in [false, true] {
             let mut order = which.to_vec();
             order.sort_by(|a, b| key(points, leaf, absolute, *a).total_cmp(&key(points, leaf, absolute, *b)));
-            let (at, least) = threshold(points, losses, &order, &totals, (leaf, absolute));
+            let (at, least) = threshold(points, losses, &order, &totals, leaf, absolute);
             let better = found.as_ref().is_none_or(|found| least < found.0);
             if better && totals[alone] - least > needed {
                 found = Some((least, leaf, absolute, order, at));
@@ -112,7 +112,8 @@ fn threshold(
     losses: &[Losses],
     order: &[usize],
     totals: &[f64],
-    (leaf, absolute): (u32, bool),
+    leaf: u32,
+    absolute: bool,
 ) -> (usize, f64) {
     let mut below = vec![0.0; losses.len()];
     let mut best = (0, f64::INFINITY);

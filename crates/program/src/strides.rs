@@ -99,7 +99,7 @@ impl Twins {
     fn whole(&mut self, ty: Handle<Type>) -> Result<Handle<Type>, ProgramError> {
         match self.module.types[ty].clone() {
             Type { name, inner: TypeInner::Struct { members, span } } => {
-                self.structure((ty, name), &members, span, false)
+                self.structure(ty, name, &members, span, false)
             }
             _ => self.twin(ty),
         }
@@ -118,9 +118,7 @@ impl Twins {
                 self.loops |= matches!(size, ArraySize::Constant(count) if count.get() > most);
                 Ok(self.add(TypeInner::Array { base: element, size, stride }))
             }
-            Type { name, inner: TypeInner::Struct { members, span } } => {
-                self.structure((ty, name), &members, span, true)
-            }
+            Type { name, inner: TypeInner::Struct { members, span } } => self.structure(ty, name, &members, span, true),
             _ => Ok(ty),
         }
     }
@@ -128,7 +126,8 @@ impl Twins {
     /// The type of a structure, filled to its end or not.
     fn structure(
         &mut self,
-        (own, name): (Handle<Type>, Option<String>),
+        own: Handle<Type>,
+        name: Option<String>,
         members: &[StructMember],
         span: u32,
         filled: bool,

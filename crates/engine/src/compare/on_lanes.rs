@@ -57,7 +57,7 @@ impl<'a> Both<'a> {
             return;
         }
         match (first.run(batch), second.run(fed)) {
-            (Ok(a), Ok(b)) => self.compare(batch, (&a, &b), differing),
+            (Ok(a), Ok(b)) => self.compare(batch, &a, &b, differing),
             (Err(error), _) | (_, Err(error)) => {
                 self.report.not_run = Some(error.to_string());
                 self.runners = None;
@@ -65,7 +65,7 @@ impl<'a> Both<'a> {
         }
     }
 
-    fn compare(&mut self, batch: &Batch, (a, b): (&Actual, &Actual), differing: &[bool]) {
+    fn compare(&mut self, batch: &Batch, a: &Actual, b: &Actual, differing: &[bool]) {
         let pairs = self.pair.reference.pairs();
         let record = &self.pair.sides[0].kernel.output.vertex;
         for k in (0..batch.invocation_count()).filter(|&k| !differing[k]) {

@@ -83,7 +83,7 @@ impl Dispatched {
         let (chosen, led) = (self.is_long_by_choice(), self.led());
         for port in &program.uniforms {
             let field = Field { name: pattern(&port.field.name), shape: port.field.shape };
-            join(&mut filled, self.uniform(&field, &terms, (chosen, used)));
+            join(&mut filled, self.uniform(&field, &terms, chosen, used));
         }
         for port in &program.inputs {
             let Some(buffer) = buffers.iter().find(|buffer| port.global() == Some(buffer.global)) else { continue };
@@ -95,14 +95,14 @@ impl Dispatched {
         for (buffer, field) in fields.iter().filter(|(buffer, _)| buffer.read) {
             let length = lengths.iter().find(|(name, ..)| *name == buffer.name);
             let known = (length.map(|(_, text, _)| &text[..]), &terms);
-            join(&mut filled, self.stored((&buffers, &led), buffer, (field, used), known));
+            join(&mut filled, self.stored(&buffers, &led, buffer, field, used, known));
         }
         let written = |field: &Field| program.outputs.iter().any(|port| pattern(&port.field.name) == field.name);
         // What is always the same has any law.
         let varies = |field: &Field| {
             filled.iter().any(|group| group.generator != "constant" && group.names.contains(&field.name))
         };
-        let laws = laws(&fields, &lengths, (&written, &varies));
+        let laws = laws(&fields, &lengths, &written, &varies);
         let count = filled.iter().map(|group| group.names.len()).sum();
         Ok(Drafted { dispatch: dispatch(&terms, &lengths), inputs: inputs(&filled), count, laws })
     }
@@ -197,7 +197,7 @@ impl Dispatched {
                     Measure::Groups => product(&terms.groups),
                     Measure::One => "1".to_owned(),
                 };
-                (buffer.name.clone(), scaled(measure, (n, d), plus), false)
+                (buffer.name.clone(), scaled(measure, n, d, plus), false)
             }
             Length::Unknown(most) => (buffer.name.clone(), most.min(LONGEST).to_string(), true),
         })
@@ -239,7 +239,7 @@ impl Dispatched {
     }
 
     /// What a uniform is filled with.
-    fn uniform(&self, field: &Field, terms: &Terms, (chosen, used): (bool, Used<'_>)) -> Filled {
+    fn uniform(&self, field: &Field, terms: &Terms, chosen: bool, used: Used<'_>) -> Filled {
         let names = vec![field.name.clone()];
         let many = self.axes.len() > 1;
         let last = field.name.rsplit('.').next().unwrap_or(&field.name);
@@ -292,9 +292,11 @@ impl Dispatched {
     /// What a part of a storage buffer holds before.
     fn stored(
         &self,
-        (buffers, led): (&[HostBuffer], &[Option<u32>]),
+        buffers: &[HostBuffer],
+        led: &[Option<u32>],
         buffer: &HostBuffer,
-        (field, used): (&Field, Used<'_>),
+        field: &Field,
+        used: Used<'_>,
         (length, terms): (Option<&str>, &Terms),
     ) -> Filled {
         let filled = |generator, option: String, taken_for: &str| Filled {
@@ -362,7 +364,7 @@ fn product(factors: &[String; 3]) -> String {
 }
 
 /// An expression times a ratio, rounded up, plus a number.
-fn scaled(measure: String, (n, d): (u64, u64), plus: u64) -> String {
+fn scaled(measure: String, n: u64, d: u64, plus: u64) -> String {
     let (mut a, mut b) = (n, d);
     while b > 0 {
         (a, b) = (b, a % b);
@@ -458,7 +460,8 @@ type Which<'a> = &'a dyn Fn(&Field) -> bool;
 fn laws(
     fields: &[(&HostBuffer, Field)],
     lengths: &[(String, String, bool)],
-    (written, varies): (Which<'_>, Which<'_>),
+    written: Which<'_>,
+    varies: Which<'_>,
 ) -> Vec<(String, String)> {
     let numbers = |field: &Field| field.shape.array.is_some() && field.shape.element_words() == 1;
     let length = |buffer: &HostBuffer| lengths.iter().find(|(name, ..)| *name == buffer.name).map(|(_, text, _)| text);
@@ -502,11 +505,11 @@ mod tests {
 
     #[test]
     fn expressions_are_as_a_person_writes_them() {
-        assert_eq!(scaled("N".into(), (64, 64), 0), "N");
-        assert_eq!(scaled("N".into(), (128, 64), 1), "2 * N + 1");
-        assert_eq!(scaled("(N + 63) / 64".into(), (2, 1), 0), "2 * ((N + 63) / 64)");
-        assert_eq!(scaled("N".into(), (1, 4), 0), "(N + 3) / 4");
-        assert_eq!(scaled("1".into(), (16, 1), 0), "16");
+        assert_eq!(scaled("N".into(), 64, 64, 0), "N");
+        assert_eq!(scaled("N".into(), 128, 64, 1), "2 * N + 1");
+        assert_eq!(scaled("(N + 63) / 64".into(), 2, 1, 0), "2 * ((N + 63) / 64)");
+        assert_eq!(scaled("N".into(), 1, 4, 0), "(N + 3) / 4");
+        assert_eq!(scaled("1".into(), 16, 1, 0), "16");
         assert_eq!(product(&["(N + 7) / 8".into(), "1".into(), "1".into()]), "(N + 7) / 8");
         assert_eq!(product(&["WIDTH".into(), "HEIGHT".into(), "1".into()]), "WIDTH * HEIGHT");
     }

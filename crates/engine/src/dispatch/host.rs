@@ -343,7 +343,7 @@ impl Dispatched {
                         for leaf in &array.leaves {
                             let at = array.offset as usize + index * array.stride as usize + leaf.offset as usize;
                             let name = if leaf.name.is_empty() { &shape.name } else { &*leaf.name };
-                            let word = host.element((name, leaf.scalar), shape.space, &mut stream);
+                            let word = host.element(name, leaf.scalar, shape.space, &mut stream);
                             let texels = shape.image.as_ref();
                             words[at] = texels.map_or(word, |texels| images::held(texels, leaf.offset as usize, word));
                         }
@@ -484,7 +484,7 @@ impl Host {
     fn fixed(&self, shape: &MemoryShape, leaf: &Leaf, stream: &mut Stream) -> u32 {
         let name = if leaf.name.is_empty() { &shape.name } else { &*leaf.name };
         match leaf.scalar {
-            Scalar::F32 => self.element((name, Scalar::F32), shape.space, stream),
+            Scalar::F32 => self.element(name, Scalar::F32, shape.space, stream),
             Scalar::Bool => (self.variant % 2) as u32,
             Scalar::I32 | Scalar::U32 => {
                 // What is written is counted up from 0.
@@ -509,7 +509,7 @@ impl Host {
     }
 
     /// A number in a memory.
-    fn element(&self, (name, scalar): (&str, Scalar), space: Space, stream: &mut Stream) -> u32 {
+    fn element(&self, name: &str, scalar: Scalar, space: Space, stream: &mut Stream) -> u32 {
         let all: u32 = self.items.iter().product();
         match scalar {
             Scalar::F32 => {

@@ -92,7 +92,7 @@ pub fn run(subject: &Dispatched, command: &str, report: &mut FunctionReport) {
             let by_zero = |hazard: &Hazard| hazard.kind == HazardKind::DivisionByZero;
             let said = Said { harmless, degenerate: outcome.findings.iter().any(by_zero) };
             for incident in outcome.incidents.into_iter().filter(|incident| !chosen(incident)) {
-                note(subject, &mut met, incident, (&scenario, said), &lengths);
+                note(subject, &mut met, incident, &scenario, said, &lengths);
             }
             for hazard in outcome.findings.into_iter().filter(|hazard| hazard.kind == HazardKind::Fuel) {
                 if endless.iter().all(|(own, _)| own.site != hazard.site) {
@@ -106,7 +106,7 @@ pub fn run(subject: &Dispatched, command: &str, report: &mut FunctionReport) {
             report.dispatches += 1;
             let about = |incident: &Incident| subject.guarded_by(incident, scenario.groups).is_some();
             for incident in outcome.incidents.into_iter().filter(about) {
-                note(subject, &mut met, incident, (&scenario, Said::default()), &lengths);
+                note(subject, &mut met, incident, &scenario, Said::default(), &lengths);
             }
         }
     }
@@ -115,7 +115,7 @@ pub fn run(subject: &Dispatched, command: &str, report: &mut FunctionReport) {
     let mut found = by_cause(subject, &met, command);
     found.extend(endless.iter().map(|(hazard, scenario)| subject.told_endless(hazard, scenario, command)));
     let all = report.dispatches;
-    found.extend(cut_off.map(|(count, scenario)| subject.told_cut_off((count, all), &scenario, command)));
+    found.extend(cut_off.map(|(count, scenario)| subject.told_cut_off(count, all, &scenario, command)));
     found.extend(unknown);
     found.extend(subject.told_width(&lengths, command));
     report.findings.extend(found);
@@ -152,7 +152,7 @@ fn without_value(subject: &Dispatched, lengths: &[Length], met: &mut Vec<Met>, r
         report.dispatches += 1;
         let first = outcome.incidents.into_iter().find(|incident| incident.what == Wrong::NotANumber);
         if let Some(incident) = first {
-            note(subject, met, incident, (&scenario, Said::default()), lengths);
+            note(subject, met, incident, &scenario, Said::default(), lengths);
         }
     }
     // What a workgroup sums up may be nothing. Of single elements, such as masses, a host may know that none is 0.
@@ -166,7 +166,7 @@ fn without_value(subject: &Dispatched, lengths: &[Length], met: &mut Vec<Met>, r
         let outcome = subject.play(&scenario, 0);
         report.dispatches += 1;
         if let Some(incident) = outcome.incidents.into_iter().find(collected) {
-            note(subject, met, incident, (&scenario, Said::default()), lengths);
+            note(subject, met, incident, &scenario, Said::default(), lengths);
         }
     }
     let mut first = true;
@@ -189,7 +189,8 @@ fn note(
     subject: &Dispatched,
     met: &mut Vec<Met>,
     incident: Incident,
-    (scenario, said): (&Scenario, Said),
+    scenario: &Scenario,
+    said: Said,
     lengths: &[Length],
 ) {
     let open = |k: u32| subject.executable.memories().get(k as usize).is_some_and(|shape| shape.is_open());

@@ -44,7 +44,7 @@ impl Dispatched {
 
     /// Dispatches that were cut off, of so many: what they would have done behind that is not known. Where others came to
     /// their ends, it is the numbers of this host that are large, if it gives any.
-    pub(super) fn told_cut_off(&self, (count, of): (u64, u64), scenario: &Scenario, command: &str) -> Finding {
+    pub(super) fn told_cut_off(&self, count: u64, of: u64, scenario: &Scenario, command: &str) -> Finding {
         let message =
             format!("{count} dispatches went on for too long and were cut off: the rest of them is not judged");
         let severity = if count < of && !scenario.settings.is_empty() { Severity::Note } else { Severity::Warning };

@@ -60,7 +60,7 @@ impl Dispatched {
                 .collect();
             let Some(((first, _, one), others)) = outcomes.split_first() else { continue };
             for (width, scenario, other) in others {
-                if let Some(found) = self.difference((one, *first), (other, *width)) {
+                if let Some(found) = self.difference(one, *first, other, *width) {
                     let kind = FuzzFindingKind::SubgroupWidth;
                     let site = self.executable.subgroup_site();
                     return Some(self.finding(kind, Severity::Finding, found, site, (1, scenario), command));
@@ -71,7 +71,7 @@ impl Dispatched {
     }
 
     /// What one dispatch leaves in a buffer and another one does not, in words.
-    fn difference(&self, (one, first): (&Outcome, u32), (other, second): (&Outcome, u32)) -> Option<String> {
+    fn difference(&self, one: &Outcome, first: u32, other: &Outcome, second: u32) -> Option<String> {
         for (k, shape) in self.executable.memories().iter().enumerate() {
             if shape.space != (Space::Storage { writes: true }) {
                 continue;

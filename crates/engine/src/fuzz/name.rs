@@ -119,7 +119,7 @@ pub fn name(ready: &Ready, sizes: &[f64], batch: &Batch, looks: &[(usize, Look)]
                 tape.run_some(batch, &invocations);
                 narrow.run_some(batch, &invocations);
                 let one = |(slot, (invocation, look)): (usize, &&(usize, Look))| {
-                    one(tape, narrow, wide, (batch, sizes), (slot, *invocation), look)
+                    one(tape, narrow, wide, batch, sizes, (slot, *invocation), look)
                 };
                 looks.iter().enumerate().map(one).collect()
             },
@@ -137,7 +137,8 @@ fn one(
     tape: &mut Machine<'_, Tape<'_>>,
     narrow: &Machine<'_, Binary32>,
     wide: &mut Machine<'_, Binary64>,
-    (batch, sizes): (&Batch, &[f64]),
+    batch: &Batch,
+    sizes: &[f64],
     (slot, invocation): (usize, usize),
     look: &Look,
 ) -> Option<Named> {
@@ -165,7 +166,7 @@ fn one(
     }
     let (vertex, word) = look.place;
     if tape.domain().given_up(slot).is_some() {
-        return long(named, narrow, wide, batch, (slot, invocation), trouble);
+        return long(named, narrow, wide, batch, slot, invocation, trouble);
     }
     let OutputColumn::Real(&column) = tape.output(vertex, word) else { return None };
     named.strict = strictly(narrow, named.place, slot);
@@ -214,7 +215,8 @@ fn long(
     narrow: &Machine<'_, Binary32>,
     wide: &mut Machine<'_, Binary64>,
     batch: &Batch,
-    (slot, invocation): (usize, usize),
+    slot: usize,
+    invocation: usize,
     trouble: Trouble,
 ) -> Option<Named> {
     let (vertex, word) = named.place;

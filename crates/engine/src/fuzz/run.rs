@@ -323,7 +323,7 @@ impl<'a> FuzzRun<'a> {
         let Self { looked, on, mut groups, lowered, mut report, .. } = self;
         let fenced: Vec<(LaneName, Fenced)> = on.iter().filter_map(OnLane::fenced).collect();
         for (lane, fenced) in &fenced {
-            report.findings.push(at_failure(looked, (lane, fenced), &mut groups, reproduce));
+            report.findings.push(at_failure(looked, lane, fenced, &mut groups, reproduce));
         }
         for lane in on {
             let (lane, findings) = lane.finish(looked.domain, reproduce);
@@ -460,7 +460,8 @@ fn that_end(batch: Batch, looks: &[Look], twins: Vec<(usize, usize)>) -> (Batch,
 /// A failure of a lane where the function's behaviour is undefined; it stands for the group of the same operation.
 fn at_failure(
     looked: Looked<'_>,
-    (lane, fenced): (&LaneName, &Fenced),
+    lane: &LaneName,
+    fenced: &Fenced,
     groups: &mut HashMap<Key, FindingGroup>,
     reproduce: &dyn Fn(&Sample) -> String,
 ) -> Finding {

@@ -115,7 +115,7 @@ impl Usages {
         let mut new = false;
         for (&variable, &value) in initial {
             if let Some((given, path)) = part(shader, value) {
-                new |= self.hand_on(variable, (given, &path));
+                new |= self.hand_on(variable, given, &path);
             }
         }
         for (id, expr) in shader.arena().iter() {
@@ -123,14 +123,14 @@ impl Usages {
             let Some(CallTarget::User(function)) = shader.callee(id) else { continue };
             for (param, &arg) in shader.function_info(*function).params.iter().zip(args) {
                 let (Some(symbol), Some((given, path))) = (param.symbol, part(shader, arg)) else { continue };
-                new |= self.hand_on(symbol, (given, &path));
+                new |= self.hand_on(symbol, given, &path);
             }
         }
         new
     }
 
     /// Gives a part of `given` the uses of `symbol`, which has its value; true when that tells anything new.
-    fn hand_on(&mut self, symbol: SymbolId, (given, path): (SymbolId, &str)) -> bool {
+    fn hand_on(&mut self, symbol: SymbolId, given: SymbolId, path: &str) -> bool {
         let inner: Vec<(String, Uses)> = self
             .parts
             .iter()

@@ -319,7 +319,7 @@ impl One<'_> {
             };
             let new = Losses((0..fresh.len()).map(of).collect());
             let text = self.written(candidate, &found.terms);
-            match self.proposal(candidate, found, (&original, &new), &fresh, text.clone()) {
+            match self.proposal(candidate, found, &original, &new, &fresh, text.clone()) {
                 Ok(proposal) => report.proposals.push(proposal),
                 Err(why) => report.refused.push((text, why)),
             }
@@ -337,7 +337,8 @@ impl One<'_> {
         &self,
         candidate: &Candidate,
         found: &Improved,
-        (original, new): (&Losses, &Losses),
+        original: &Losses,
+        new: &Losses,
         fresh: &Points,
         text: String,
     ) -> Result<Proposal, String> {

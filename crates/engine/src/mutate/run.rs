@@ -249,8 +249,7 @@ fn original(trial: &mut Trial<'_>, probes: &Probes, request: &Request) -> Result
     if judged == 0 {
         return Err(MutateError::Vacuous { suite: suite(), samples: cases * per_case as u64 });
     }
-    if let Some(failure) =
-        at_edges(prepared, &trial.context(), &prepared.compute.output, (request.seed, request.samples))
+    if let Some(failure) = at_edges(prepared, &trial.context(), &prepared.compute.output, request.seed, request.samples)
     {
         return Err(fails(failure.deviation.to_string()));
     }
@@ -294,7 +293,7 @@ fn outcome(
         moved.merge(movement(&shared.context, &context, shared.layout, batch));
     }
     // A fault may bring an edge of its own, which only the mutant shows.
-    if let Some(failure) = at_edges(prepared, &context, shared.layout, (shared.seed, shared.samples)) {
+    if let Some(failure) = at_edges(prepared, &context, shared.layout, shared.seed, shared.samples) {
         let at = failure.invocation as u64 + 1;
         return Ok((Outcome::Killed(kill(&failure)), samples + at));
     }
@@ -333,7 +332,8 @@ fn at_edges(
     prepared: &Prepared,
     context: &JudgeContext<'_>,
     layout: &OutputLayout,
-    (seed, samples): (u64, u64),
+    seed: u64,
+    samples: u64,
 ) -> Option<Failure> {
     let edges = edges_of(prepared, seed, samples);
     let batch = (!edges.samples.is_empty()).then(|| Sample::batch(&edges.samples))?;

@@ -145,7 +145,7 @@ pub fn draft(
     let sketch = |tree: Option<&Shader>| {
         let known = Known::of(tree).map_err(|hint| format!("{}: {}", hint.at, hint.why))?;
         match subject.stage {
-            Stage::Compute => of_dispatch(&program, (&known, function)),
+            Stage::Compute => of_dispatch(&program, &known, function),
             _ => of_invocations(&program, subject.stage, (&known, function)),
         }
     };
@@ -275,7 +275,7 @@ fn of_invocations(program: &Program, stage: Stage, about: (&Known<'_>, &str)) ->
     Ok(Sketch { inputs: inputs.len(), groups, candidates: laws(stage, &inputs, outputs.fields()) })
 }
 
-fn of_dispatch(program: &Program, (known, function): (&Known<'_>, &str)) -> Result<Sketch, String> {
+fn of_dispatch(program: &Program, known: &Known<'_>, function: &str) -> Result<Sketch, String> {
     let dispatched = Dispatched::new(program).ok_or("it is no compute stage")??;
     let used = |field: &Field| known.uses(function, field);
     let Drafted { dispatch, inputs, count, laws } = dispatched.draft(&used).map_err(|error| in_a_line(&error))?;

@@ -192,8 +192,8 @@ pub fn run(
     let all_high = vec![true; tuning.declarations.all.len()];
     let base = tuning.built(&tuning.declarations.stated(file, &all_high))?;
     let key = stream_key(request.seed, &subject.label);
-    let (samples, left_out) = tuning.samples(&base, domain, (key, request.samples))?;
-    tuning.report(&base, domain, (samples, left_out))
+    let (samples, left_out) = tuning.samples(&base, domain, key, request.samples)?;
+    tuning.report(&base, domain, samples, left_out)
 }
 
 /// # Errors
@@ -237,7 +237,7 @@ impl Tuning<'_> {
     }
 
     /// Samples whose outputs are sound in binary32, and how many are not.
-    fn samples(&self, base: &Ready, domain: &Domain, (key, count): (u64, u64)) -> Result<(Batch, u64), String> {
+    fn samples(&self, base: &Ready, domain: &Domain, key: u64, count: u64) -> Result<(Batch, u64), String> {
         let constant = base.kernel.invocation.words() + base.kernel.case.words() == 0;
         let count = if constant { 1 } else { count as usize };
         let batch = drawn(base, domain, key, (0, count), !domain.is_stated());
@@ -256,7 +256,7 @@ impl Tuning<'_> {
         self.devices.run((ready, ready.lowered.as_ref()), &self.tolerances, batch, strategies)
     }
 
-    fn report(&self, base: &Ready, domain: &Domain, (samples, left_out): (Batch, u64)) -> Result<Report, String> {
+    fn report(&self, base: &Ready, domain: &Domain, samples: Batch, left_out: u64) -> Result<Report, String> {
         let all = &self.declarations.all;
         let record = &base.kernel.output.vertex;
         let taken = base.realistic.taken_for(domain);
@@ -336,7 +336,7 @@ impl Tuning<'_> {
         }
         let medium = self.built(&self.declarations.stated(self.file, &vec![false; all.len()]))?;
         let half =
-            |ready: &Ready| self.devices.binary16((ready, ready.lowered.as_ref()), &self.tolerances, &samples).worst;
+            |ready: &Ready| self.devices.binary16(ready, ready.lowered.as_ref(), &self.tolerances, &samples).worst;
         report.all_medium = [self.outcome(&medium, &samples, &Strategy::ALL).worst, half(&medium)];
         // What is proved is the text that is written.
         report.after = self.declarations.patch(self.file, &found.high);

@@ -101,19 +101,20 @@ impl Devices<'_> {
         let samples = batch.invocation_count() as u64 * strategies.len() as u64;
         // Nothing is lower: all is as in binary32.
         let Some(lowered) = lowered else { return Outcome { samples, ..Outcome::default() } };
-        let on = |strategy: &Strategy| one(ready, lowered, tolerances, batch, (*strategy, self.narrowing(*strategy)));
+        let on = |strategy: &Strategy| one(ready, lowered, tolerances, batch, *strategy, self.narrowing(*strategy));
         strategies.iter().map(on).fold(Outcome::default(), Outcome::join)
     }
 
     /// The largest error on a device that has binary16 and rounds to the nearest.
     pub fn binary16(
         &self,
-        (ready, lowered): (&Ready, Option<&Executable>),
+        ready: &Ready,
+        lowered: Option<&Executable>,
         tolerances: &[Tolerance],
         batch: &Batch,
     ) -> Outcome {
         let Some(lowered) = lowered else { return Outcome::default() };
-        one(ready, lowered, tolerances, batch, (Strategy::Random, Narrowing::Binary16))
+        one(ready, lowered, tolerances, batch, Strategy::Random, Narrowing::Binary16)
     }
 }
 
@@ -122,7 +123,8 @@ fn one(
     lowered: &Executable,
     tolerances: &[Tolerance],
     batch: &Batch,
-    (strategy, narrowing): (Strategy, Narrowing),
+    strategy: Strategy,
+    narrowing: Narrowing,
 ) -> Outcome {
     let all: Vec<usize> = (0..batch.invocation_count()).collect();
     all.par_chunks(SLOTS)
@@ -141,7 +143,7 @@ fn one(
                 wide.take_findings();
                 let mut outcome = Outcome { samples: chunk.len() as u64, ..Outcome::default() };
                 for (slot, &invocation) in chunk.iter().enumerate() {
-                    let Some((ratio, place, values)) = farthest(ready, tolerances, (&*wide, &*device), slot) else {
+                    let Some((ratio, place, values)) = farthest(ready, tolerances, &*wide, &*device, slot) else {
                         continue;
                     };
                     let jumped = device.as_domain().jumped(slot);
@@ -176,7 +178,8 @@ type Farthest = (f64, (usize, usize), [f32; 2]);
 fn farthest(
     ready: &Ready,
     tolerances: &[Tolerance],
-    (wide, device): (&Machine<'_, Binary32>, &Machine<'_, Beside>),
+    wide: &Machine<'_, Binary32>,
+    device: &Machine<'_, Beside>,
     slot: usize,
 ) -> Option<Farthest> {
     let record = &ready.kernel.output.vertex;

@@ -51,7 +51,7 @@ impl Brackets {
             }
         });
         if let Some(ends) = found {
-            number::wide(|| narrow((low, high), &ends, value, radius));
+            number::wide(|| narrow(low, high, &ends, value, radius));
         }
     }
 
@@ -59,7 +59,7 @@ impl Brackets {
     fn take(&mut self, arena: &mut Arena, id: Id, ends: &[Slots; 2]) {
         let at = id as usize;
         let (value, radius) = (arena.value.get(at), arena.radius.get_mut(at));
-        narrow((self.low.get_mut(at), self.high.get_mut(at)), ends, value, radius);
+        narrow(self.low.get_mut(at), self.high.get_mut(at), ends, value, radius);
     }
 
     /// The ends of an operation that is rounded to nearest, or exact, from those of its arguments; NaN or infinite where they
@@ -177,7 +177,7 @@ fn columns(
 
 /// Takes ends in that are known otherwise, and the radius that follows.
 #[inline(always)]
-fn narrow((low, high): (&mut Slots, &mut Slots), ends: &[Slots; 2], value: &Slots, radius: &mut Slots) {
+fn narrow(low: &mut Slots, high: &mut Slots, ends: &[Slots; 2], value: &Slots, radius: &mut Slots) {
     for slot in 0..SLOTS {
         let (l, h) = (ends[0][slot], ends[1][slot]);
         // Infinite ends are none: nothing is promised beyond the range.

@@ -193,7 +193,7 @@ fn root(x: f64, e: f64, not_negative: bool) -> Image1 {
 
 /// x/y.
 #[inline(always)]
-fn quotient((x, ex): (f64, f64), (y, ey): (f64, f64)) -> Image2 {
+fn quotient(x: f64, ex: f64, y: f64, ey: f64) -> Image2 {
     let (value, size) = (x / y, y.abs());
     let least = size - ey;
     let nowhere = (size <= ey) | (size == 0.0);
@@ -213,7 +213,7 @@ fn quotient((x, ex): (f64, f64), (y, ey): (f64, f64)) -> Image2 {
 pub(super) fn image2(op: Op, (x, ex): (f64, f64), (y, ey): (f64, f64)) -> Image2 {
     let nowhere = |value: f64| Image2 { value, moves: f64::INFINITY, slopes: [0.0, 0.0], bends: [JUMP, JUMP] };
     match op {
-        Op::Div => quotient((x, ex), (y, ey)),
+        Op::Div => quotient(x, ex, y, ey),
         Op::Min | Op::Max => {
             let takes_y = if op == Op::Min { y < x } else { x < y };
             // A radius that is no number says nothing about which of the two is taken.

@@ -115,7 +115,7 @@ pub(super) fn look<D: ColumnValues>(
                 let mut found: Words = [0; SLOTS];
                 let which = stored.slots().map(|slot| (slot, invocations[slot]));
                 actual.gather(vertex, word, which, &mut found);
-                look.word(machine, &machine.output(vertex, word), (&found, &scale), stored, nearest);
+                look.word(machine, &machine.output(vertex, word), &found, &scale, stored, nearest);
             }
         }
     }
@@ -135,7 +135,8 @@ impl Look {
         &mut self,
         machine: &Machine<'_, D>,
         column: &OutputColumn<'_, D::Column>,
-        (found, scale): (&Words, &[f64; SLOTS]),
+        found: &Words,
+        scale: &[f64; SLOTS],
         stored: Mask,
         nearest: bool,
     ) {
@@ -193,7 +194,7 @@ impl Look {
             if self.ulp[slot] > *most {
                 let found = match self.nearest.has(slot) {
                     true => Some(self.ulp[slot]),
-                    false => largest(machine, reference, (batch, actual, invocations[slot]), (slot, *most)),
+                    false => largest(machine, reference, batch, actual, invocations[slot], (slot, *most)),
                 };
                 match found {
                     Some(ulp) => *most = ulp,
@@ -210,7 +211,9 @@ impl Look {
 fn largest<D: ColumnValues>(
     machine: &Machine<'_, D>,
     reference: &Reference,
-    (batch, actual, invocation): (&Batch, &Actual, usize),
+    batch: &Batch,
+    actual: &Actual,
+    invocation: usize,
     (slot, mut most): (usize, f64),
 ) -> Option<f64> {
     let (record, domain) = (&actual.layout().vertex, machine.as_domain());

@@ -154,7 +154,7 @@ impl Best {
             return SampleVerdict::new(Verdict::Deviate(shape));
         }
         let mut standing = SampleVerdict::new(Verdict::Agree(promise));
-        self.words.into_iter().flatten().for_each(|told| standing.tell(told, blame));
+        self.words.into_iter().flatten().for_each(|word| standing.tell(word, blame));
         standing
     }
 }
@@ -217,7 +217,7 @@ pub(super) fn lane<'a>(
                 for word in record.range(field) {
                     let slots: Vec<usize> = open.iter().map(|(slot, _)| *slot).collect();
                     let known = SlotsToJudge { open: &slots, decided: &[true; SLOTS], doubted: &[false; SLOTS] };
-                    let outcomes = open_words(machine, actual, run, &known, (vertex, word));
+                    let outcomes = open_words(machine, actual, run, &known, vertex, word);
                     for ((slot, outcome, error), &(_, sample)) in outcomes.into_iter().zip(&open) {
                         let sizes = (scale[slot], scale[slot].max(vectors[sample]));
                         let known = (outcome, error, false);
@@ -297,7 +297,7 @@ pub(super) fn shader<'a>(
                         let word = output.actual.start + k;
                         let aim = Aim { target: &target, slack: &slack, scales: &scales };
                         let mut found =
-                            word_of_shader(machine, (vertex, word), output, &slots, &aim).into_iter().peekable();
+                            word_of_shader(machine, vertex, word, output, &slots, &aim).into_iter().peekable();
                         for (slot, sample) in open {
                             let told = match found.next_if(|(of, _)| *of == slot) {
                                 None => Told::Right { ulp: 0.0, faded: false },

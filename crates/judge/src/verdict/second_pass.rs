@@ -259,7 +259,8 @@ impl<'a> SecondPass<'a> {
                     let word = output.actual.start + k;
                     let found = word_of_shader(
                         machine,
-                        (vertex, word),
+                        vertex,
+                        word,
                         output,
                         &open,
                         &Aim { target: &target, slack: &slack, scales: &scales },
@@ -278,7 +279,7 @@ impl<'a> SecondPass<'a> {
                 }
             }
         }
-        self.shader_on_paths((batch, layout, actual), invocations, &mut verdicts);
+        self.shader_on_paths(batch, layout, actual, invocations, &mut verdicts);
         for (verdict, forked) in verdicts.iter_mut().zip(forked) {
             if let (None, Some(doubt)) = (&verdict, forked) {
                 *verdict = Some(Verdict::Undetermined(doubt));
@@ -291,7 +292,9 @@ impl<'a> SecondPass<'a> {
     /// expected, where all sides of them can be seen.
     fn shader_on_paths(
         &mut self,
-        (batch, layout, actual): (&Batch, &OutputLayout, Option<&Actual>),
+        batch: &Batch,
+        layout: &OutputLayout,
+        actual: Option<&Actual>,
         invocations: &[usize],
         verdicts: &mut [Option<Verdict>],
     ) {
@@ -351,7 +354,7 @@ impl<'a> SecondPass<'a> {
         };
         let mut standings: Vec<SampleVerdict> = (0..slots).map(begin).collect();
         let sizes: Vec<f64> = invocations.iter().map(|&i| context.reference.vector_size(batch, i)).collect();
-        by_words(machine, actual, invocations, (&decided, &sizes), &mut standings);
+        by_words(machine, actual, invocations, &decided, &sizes, &mut standings);
         let open = |slot: &usize| match &standings[*slot].verdict {
             Verdict::Undetermined(doubt) if follow::may_be_settled(doubt) => {
                 follow::is_open(machine.as_domain(), *slot)
@@ -403,7 +406,8 @@ fn by_words(
     machine: &mut Machine<'_, Tape<'_>>,
     actual: &Actual,
     invocations: &[usize],
-    (decided, sizes): (&[bool], &[f64]),
+    decided: &[bool],
+    sizes: &[f64],
     standings: &mut [SampleVerdict],
 ) {
     let record = actual.layout().vertex.clone();
@@ -422,7 +426,7 @@ fn by_words(
                 doubted[slot] = matches!(standings[slot].verdict, Verdict::Undetermined(_));
             }
             let known = SlotsToJudge { open: &open, decided, doubted: &doubted };
-            for (slot, outcome, error) in open_words(machine, actual, invocations, &known, (vertex, word)) {
+            for (slot, outcome, error) in open_words(machine, actual, invocations, &known, vertex, word) {
                 let sizes = (scale[slot], scale[slot].max(sizes[slot]));
                 let known = (outcome, error, doubted[slot]);
                 let told = told(machine, actual, invocations[slot], (vertex, word, slot), known, sizes);

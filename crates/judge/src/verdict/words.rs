@@ -39,8 +39,8 @@ impl SampleVerdict {
     }
 
     /// Takes in one more word; a difference is the fault of `blame`.
-    pub fn tell(&mut self, told: Told, blame: Blame) {
-        let verdict = match told {
+    pub fn tell(&mut self, word: Told, blame: Blame) {
+        let verdict = match word {
             Told::Right { ulp, faded } => {
                 (self.ulp, self.faded) = (self.ulp.max(ulp), self.faded | faded);
                 return;
@@ -127,7 +127,8 @@ pub(super) fn open_words(
     actual: &Actual,
     invocations: &[usize],
     &SlotsToJudge { open, decided, doubted }: &SlotsToJudge<'_>,
-    (vertex, word): (usize, usize),
+    vertex: usize,
+    word: usize,
 ) -> Vec<(usize, Allowed, f64)> {
     let found = |slot: usize| actual.vertex(invocations[slot], vertex)[word];
     let column = match machine.output(vertex, word) {
@@ -198,7 +199,8 @@ pub(super) struct Aim<'t> {
 /// its meaning and what binary64 allows, or with a doubt.
 pub(super) fn word_of_shader(
     machine: &mut Machine<'_, Tape<'_>>,
-    (vertex, word): (usize, usize),
+    vertex: usize,
+    word: usize,
     output: &JudgedOutput,
     open: &[usize],
     &Aim { target, slack, scales }: &Aim<'_>,

@@ -50,7 +50,7 @@ impl DispatchRunner {
         (groups, size, all): ([u32; 3], [u32; 3], &[BoundBuffer]),
         capacity: usize,
     ) -> Result<Self, LaneError> {
-        fits(gpu, (groups, size), all)?;
+        fits(gpu, groups, size, all)?;
         fed(&Reflection::of(&job.module), all)?;
         let mut this = Self {
             gpu: gpu.clone(),
@@ -161,7 +161,7 @@ impl DispatchRunner {
 }
 
 /// Refuses what the device has no room for.
-fn fits(gpu: &Gpu, (groups, size): ([u32; 3], [u32; 3]), all: &[BoundBuffer]) -> Result<(), LaneError> {
+fn fits(gpu: &Gpu, groups: [u32; 3], size: [u32; 3], all: &[BoundBuffer]) -> Result<(), LaneError> {
     let limits = &gpu.limits;
     let of = |axis: usize| ["x", "y", "z"][axis];
     for axis in 0..3 {

@@ -184,7 +184,8 @@ impl GeometryRunner {
         pass: usize,
         counts: &[PrimitiveCounts],
         corners: usize,
-        (marks, blank): (Marks, u32),
+        marks: Marks,
+        blank: u32,
     ) -> Result<(), LaneError> {
         let vertices = |counts: &[PrimitiveCounts]| counts.iter().map(|c| c.written as usize * corners).sum::<usize>();
         let Some(vertex) = self.draws.unwritten(pass, vertices(counts), blank)? else { return Ok(()) };
@@ -210,7 +211,7 @@ impl Runner for GeometryRunner {
         let blank = Marks::blank(marks.sentinel);
         let points = self.draws.run(POINTS, &draws, true, blank)?;
         whole(&points)?;
-        self.written(POINTS, &points, 1, (marks, blank))?;
+        self.written(POINTS, &points, 1, marks, blank)?;
         let mut emitted: Vec<u32> = Vec::new();
         let size = self.filled.iter().map(Range::len).sum::<usize>() + 1;
         let total: u64 = points.iter().map(|c| c.written).sum();
@@ -221,7 +222,7 @@ impl Runner for GeometryRunner {
         let strips = if self.corners > 1 { self.draws.run(STRIPS, &draws, true, blank)? } else { Vec::new() };
         whole(&strips)?;
         if self.corners > 1 {
-            self.written(STRIPS, &strips, self.corners, (marks, blank))?;
+            self.written(STRIPS, &strips, self.corners, marks, blank)?;
         }
         let (corners, filled) = (self.corners, &self.filled);
         let mut records = Records::new(&self.layout, count, marks);

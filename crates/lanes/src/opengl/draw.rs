@@ -42,7 +42,7 @@ impl Ready {
             (done, read)
         };
         self.context.checked("the draws").map_err(LaneError::Api)?;
-        let captured = proven(self.job.width(), (captured, vertices), read, inputs)?;
+        let captured = proven(self.job.width(), captured, vertices, read, inputs)?;
         Ok(if vertices.is_some() { self.last_instances(captured, inputs) } else { captured })
     }
 
@@ -204,7 +204,8 @@ struct Drawn {
 /// `vertices` of them are drawn where that is not one for each invocation.
 fn proven(
     width: usize,
-    (drawn, vertices): (Drawn, Option<usize>),
+    drawn: Drawn,
+    vertices: Option<usize>,
     read: Vec<u32>,
     inputs: &Inputs<'_>,
 ) -> Result<Captured, LaneError> {
@@ -258,17 +259,17 @@ mod tests {
     fn what_was_written_is_taken() {
         let read = vec![1, 2, 3, SENTINEL, SENTINEL, SENTINEL];
         // One word that happens to be the sentinel is an output like any other.
-        let taken = proven(2, (points(2, 2), None), read, &inputs(2)).unwrap();
+        let taken = proven(2, points(2, 2), None, read, &inputs(2)).unwrap();
         assert_eq!(taken.words, [1, 2, 3, SENTINEL]);
     }
 
     #[test]
     fn a_vertex_that_was_not_written_is_an_error() {
         let read = vec![1, 2, SENTINEL, SENTINEL, 5, 6, SENTINEL, SENTINEL];
-        let error = proven(2, (points(3, 3), None), read, &inputs(3)).unwrap_err();
+        let error = proven(2, points(3, 3), None, read, &inputs(3)).unwrap_err();
         assert!(matches!(error, LaneError::NotWritten { invocation: 1, count: 3, .. }));
         let lines = Drawn { generated: 2, written: vec![1, 1], vertices: 2, geometry: true };
-        let error = proven(1, (lines, None), vec![1, 2, 3, SENTINEL, SENTINEL], &inputs(2)).unwrap_err();
+        let error = proven(1, lines, None, vec![1, 2, 3, SENTINEL, SENTINEL], &inputs(2)).unwrap_err();
         assert!(matches!(error, LaneError::NotWritten { invocation: 1, .. }));
     }
 
@@ -280,7 +281,7 @@ mod tests {
             (points(2, 2), vec![1, 2, 3]),
             (points(2, 2), vec![1]),
         ] {
-            assert!(matches!(proven(1, (drawn, None), read, &inputs(2)), Err(LaneError::Api(_))));
+            assert!(matches!(proven(1, drawn, None, read, &inputs(2)), Err(LaneError::Api(_))));
         }
     }
 }

@@ -133,7 +133,7 @@ impl Away {
                 Ok(())
             }
             Answer::Refused { id, line, column, why } if id == self.job.id => {
-                Err(LaneError::Api(refusal(&self.job.code, (line, column), &why)))
+                Err(LaneError::Api(refusal(&self.job.code, line, column, &why)))
             }
             other => Err(lost(line.nonsense(&other))),
         }
@@ -167,7 +167,7 @@ impl Away {
 }
 
 /// What Tint or Dawn says of a text, with the line that it speaks of.
-fn refusal(code: &str, (line, column): (usize, usize), why: &str) -> String {
+fn refusal(code: &str, line: usize, column: usize, why: &str) -> String {
     let why = why.lines().next().unwrap_or_default();
     match line.checked_sub(1).and_then(|at| code.lines().nth(at)) {
         Some(text) => format!("Tint refuses the WGSL of this kernel at {line}:{column}: {why}: `{}`", text.trim()),

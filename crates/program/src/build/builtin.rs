@@ -167,7 +167,7 @@ impl Build<'_> {
                 Type::Array(element, _) => (vec![0], element.as_ref().clone()),
                 _ => (Vec::new(), ty.clone()),
             };
-            self.built_in_input(name, (&given, &kept), (handle, path), built_in, span)?;
+            self.built_in_input(name, &given, &kept, (handle, path), built_in, span)?;
             return Ok(handle);
         }
         if let Some(output) = output(name, stage) {

@@ -535,7 +535,8 @@ impl<'s> Build<'s> {
     pub(super) fn built_in_input(
         &mut self,
         name: &str,
-        (given, kept): (&Type, &Type),
+        given: &Type,
+        kept: &Type,
         (handle, path): (Handle<GlobalVariable>, Vec<u32>),
         built_in: naga::BuiltIn,
         span: Span,

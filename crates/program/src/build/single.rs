@@ -29,7 +29,7 @@ impl Build<'_> {
         self.ports.inputs.clear();
         let mut handle = self.function(id, Vec::new(), info.name.span)?;
         if !self.made.initial.is_empty() || self.leaving.discard.is_some() {
-            handle = self.around(handle, (id, name))?;
+            handle = self.around(handle, id, name)?;
         }
         self.ports.built_ins.clear();
         self.ports.drawn.clear();
@@ -75,7 +75,8 @@ impl Build<'_> {
     fn around(
         &mut self,
         inner: naga::Handle<naga::Function>,
-        (id, name): (FunctionId, &str),
+        id: FunctionId,
+        name: &str,
     ) -> Result<naga::Handle<naga::Function>> {
         let (arguments, result) = {
             let function = &self.module.functions[inner];
@@ -97,7 +98,7 @@ impl Build<'_> {
         }
         let sites = f.build.leaving.sites.get(&inner).copied().unwrap_or(0);
         let value = if sites > 0 {
-            f.call_quads(inner, (id, sites), &passed)?
+            f.call_quads(inner, id, sites, &passed)?
         } else {
             f.not_discarded();
             let value = result.is_some().then(|| f.add(Expression::CallResult(inner)));
@@ -119,7 +120,8 @@ impl Fun<'_, '_> {
     fn call_quads(
         &mut self,
         inner: naga::Handle<naga::Function>,
-        (id, sites): (FunctionId, u32),
+        id: FunctionId,
+        sites: u32,
         passed: &[Expr],
     ) -> Result<Option<Expr>> {
         let info = self.shader.function_info(id);

@@ -182,20 +182,20 @@ impl Fun<'_, '_> {
             | F::SubgroupBallotFindMSB => self.of_ballot(function, values[0].e, span)?,
             _ => {
                 let Some((op, over)) = reduction(function) else { return Ok(None) };
-                self.reduced((op, over), &values, span)?
+                self.reduced(op, over, &values, span)?
             }
         };
         Ok(Some(value))
     }
 
     /// A sum or the like. Values of `bool` are taken as numbers.
-    fn reduced(&mut self, (op, over): (Op, Over), values: &[Val], span: Span) -> Result<Val> {
+    fn reduced(&mut self, op: Op, over: Over, values: &[Val], span: Span) -> Result<Val> {
         let value = &values[0];
         let kind = value.ty.scalar().unwrap_or(ScalarType::Uint);
         if kind == ScalarType::Bool {
             let number = self.cast(value.clone(), kind, ScalarType::Uint)?;
             let all = [std::slice::from_ref(&number), &values[1..]].concat();
-            let result = self.reduced((op, over), &all, span)?;
+            let result = self.reduced(op, over, &all, span)?;
             return self.cast(result, ScalarType::Uint, kind);
         }
         let product = op == Op::Mul && kind.is_floating();
@@ -208,11 +208,11 @@ impl Fun<'_, '_> {
             let result = self.collective(op, over, value)?;
             return self.wrapped(result);
         }
-        self.one_by_one((op, over), value, values.get(1).map(|v| v.e), span)
+        self.one_by_one(op, over, value, values.get(1).map(|v| v.e), span)
     }
 
     /// An operation that takes values one after the other.
-    fn one_by_one(&mut self, (op, over): (Op, Over), value: &Val, cluster: Option<Expr>, span: Span) -> Result<Val> {
+    fn one_by_one(&mut self, op: Op, over: Over, value: &Val, cluster: Option<Expr>, span: Span) -> Result<Val> {
         let id = self.own_number(span)?;
         let here = self.ballot(None);
         let count = match cluster {

@@ -300,7 +300,7 @@ impl Executable {
                     let first = chunk * SLOTS;
                     let slots = machine.run(batch, first);
                     let given_up = machine.flags()[..slots].iter().any(|flags| flags.has(HazardKind::GivenUp));
-                    (!given_up).then(|| piece(machine, first, slots, (room, width), self.max_vertices))
+                    (!given_up).then(|| piece(machine, first, slots, room, width, self.max_vertices))
                 },
             )
             .collect();
@@ -359,7 +359,8 @@ fn piece<D: Domain>(
     machine: &mut Machine<'_, D>,
     first: usize,
     slots: usize,
-    (room, width): (usize, usize),
+    room: usize,
+    width: usize,
     max_vertices: Option<u32>,
 ) -> Meaning<D::Word> {
     let mut piece = Meaning {

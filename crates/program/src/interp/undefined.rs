@@ -222,7 +222,7 @@ impl Machine<'_, Binary64> {
         let events = self.probe.take().map_or_else(Vec::new, |probe| probe.events);
         let candidates = events.iter().fold(Mask::NONE, |all, event| all.or(event.slots));
         let rounds = if any { REALS.len() } else { FINITE };
-        let depends = self.changed(batch, invocations, (&before, rounds), candidates, None);
+        let depends = self.changed(batch, invocations, &before, rounds, candidates, None);
         let mut found: Vec<Option<Dependence>> = vec![None; slots];
         let mut rest = depends;
         let of = |event: &UndefinedEvent| Dependence { of: event.of, args: event.args.clone() };
@@ -231,7 +231,7 @@ impl Machine<'_, Binary64> {
             let others = events.iter().filter(|other| other.of != event.of);
             let shared = others.fold(Mask::NONE, |all, other| all.or(other.slots)).and(event.slots).and(rest);
             let only = Some((event.of.kind, event.of.site));
-            let alone = event.slots.minus(shared).or(self.changed(batch, invocations, (&before, rounds), shared, only));
+            let alone = event.slots.minus(shared).or(self.changed(batch, invocations, &before, rounds, shared, only));
             alone.and(rest).slots().for_each(|slot| found[slot] = Some(of(event)));
             rest = rest.minus(alone);
         }
@@ -273,7 +273,8 @@ impl Machine<'_, Binary64> {
         &mut self,
         batch: &Batch,
         invocations: &[usize],
-        (before, rounds): (&ChunkOutcome, usize),
+        before: &ChunkOutcome,
+        rounds: usize,
         mut rest: Mask,
         only: Option<(HazardKind, Site)>,
     ) -> Mask {

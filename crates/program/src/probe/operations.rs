@@ -46,7 +46,7 @@ pub(super) fn operations(
     let mut list = List::default();
     let results = match *expression {
         Expression::Unary { op: UnaryOperator::Negate, .. } => each(&mut list, "neg", &operands),
-        Expression::Binary { op, left, right } => binary(scope, &mut list, op, (left, right), &operands),
+        Expression::Binary { op, left, right } => binary(scope, &mut list, op, left, right, &operands),
         Expression::Math { fun, .. } => match componentwise(fun) {
             Some(name) => each(&mut list, name, &operands),
             None => formula(&mut list, fun, &operands),
@@ -88,7 +88,8 @@ fn binary(
     scope: &OperandScope<'_>,
     list: &mut List,
     op: BinaryOperator,
-    (left, right): (Handle<Expression>, Handle<Expression>),
+    left: Handle<Expression>,
+    right: Handle<Expression>,
     operands: &[Vec<OperandSource>],
 ) -> Option<Vec<OperandSource>> {
     let name = match op {

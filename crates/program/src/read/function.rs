@@ -50,7 +50,7 @@ pub(super) fn alone(
     if stops.is_none() && plainly && !flips {
         return Ok(plain(module, handle, &function, &ways(&function, name, ports)));
     }
-    Ok(around(module, (handle, name), stops.as_ref(), ports, at))
+    Ok(around(module, handle, name, stops.as_ref(), ports, at))
 }
 
 /// How each argument is passed, where the text says it: a compiler passes values by a pointer as well.
@@ -169,7 +169,8 @@ type Whole = (Handle<Type>, Vec<Given>, Passed);
 /// means, with the columns that a matrix has in other languages.
 fn around(
     module: &mut Module,
-    (handle, name): (Handle<Function>, &str),
+    handle: Handle<Function>,
+    name: &str,
     stops: Option<&Stops>,
     ports: &mut Ports<'_>,
     place: base::text::Span,

@@ -435,7 +435,7 @@ impl Stops {
         if self.sites == 0 {
             once(b, given);
         } else {
-            self.quads(b, module, (given, steps), &once);
+            self.quads(b, module, given, steps, &once);
         }
         let (ty, place) = returned?;
         let pointer = b.global(self.stopped);
@@ -451,7 +451,8 @@ impl Stops {
         &self,
         b: &mut Builder,
         module: &Module,
-        (given, steps): (&[Expr], &[StopStep]),
+        given: &[Expr],
+        steps: &[StopStep],
         once: &dyn Fn(&mut Builder, &[Expr]),
     ) {
         let runs = 4 * self.sites.min(MOST);
@@ -477,7 +478,7 @@ impl Stops {
                     let value = b.name(Expression::Constant(constant));
                     self.set(b, variable, value);
                 }
-                let moved = self.moved(b, (given, steps), member);
+                let moved = self.moved(b, given, steps, member);
                 once(b, &moved);
             },
             |b| {
@@ -493,7 +494,7 @@ impl Stops {
 
 impl Stops {
     /// The arguments of a member of a quad.
-    fn moved(&self, b: &mut Builder, (given, all): (&[Expr], &[StopStep]), member: Expr) -> Vec<Expr> {
+    fn moved(&self, b: &mut Builder, given: &[Expr], all: &[StopStep], member: Expr) -> Vec<Expr> {
         let mut number = 0;
         let mut moved = Vec::new();
         for (&value, step) in given.iter().zip(all) {

@@ -233,7 +233,7 @@ impl<'o> Bound<'o> {
                 (Some((ty, words)), _) => {
                     let place = Place { name: format!("argument {k}"), ty: argument.ty, at: PortAt::Argument(k) };
                     let name = argument.name.as_deref().unwrap_or(&place.name);
-                    same_shape(name, (&self.own.module, *ty), (self.module, argument.ty))?;
+                    same_shape(name, &self.own.module, *ty, self.module, argument.ty)?;
                     self.invocation.extend(words);
                     self.inputs.push(place);
                 }
@@ -250,7 +250,7 @@ impl<'o> Bound<'o> {
         let entry = OwnStage::entry(self.module)?;
         for (at, name, own) in &self.own.outputs {
             let (ty, at) = result(self.module, entry, *at).ok_or_else(|| format!("it does not give `{name}`"))?;
-            same_shape(name, (&self.own.module, *own), (self.module, ty))?;
+            same_shape(name, &self.own.module, *own, self.module, ty)?;
             let shape = shape_of(self.module, ty).ok_or_else(|| format!("`{name}` is not interpreted"))?;
             self.fields.push(Field { name: name.clone(), shape });
             self.outputs.push(Place { name: name.clone(), ty, at });
@@ -392,11 +392,7 @@ fn name_of(module: &Module, handle: Handle<GlobalVariable>) -> String {
     variable.name.clone().or_else(member).unwrap_or_else(|| "a buffer".to_owned())
 }
 
-fn same_shape(
-    name: &str,
-    (own, ty): (&Module, Handle<Type>),
-    (there, other): (&Module, Handle<Type>),
-) -> Result<(), String> {
+fn same_shape(name: &str, own: &Module, ty: Handle<Type>, there: &Module, other: Handle<Type>) -> Result<(), String> {
     let shape = shape_of(own, ty);
     if shape_of(there, other) == shape {
         return Ok(());

@@ -170,7 +170,8 @@ impl Beside {
     fn settle(
         &mut self,
         site: Site,
-        (op, of): (&'static str, Option<Op>),
+        op: &'static str,
+        of: Option<Op>,
         active: &Mask,
         args: &[&Column],
         out: &mut Column,
@@ -282,7 +283,7 @@ impl Domain for Beside {
         if whole {
             self.note_jumps(active, [a, a], out, 0.5);
         }
-        self.settle(site, (unary_name(op), Op::of_unary(op).ok()), active, &[a], out);
+        self.settle(site, unary_name(op), Op::of_unary(op).ok(), active, &[a], out);
     }
 
     fn binary(&mut self, site: Site, op: Binary, active: &Mask, a: &Column, b: &Column, out: &mut Column) {
@@ -302,13 +303,13 @@ impl Domain for Beside {
             }
             _ => {}
         }
-        self.settle(site, (binary_name(op), Some(Op::of_binary(op))), active, &[a, b], out);
+        self.settle(site, binary_name(op), Some(Op::of_binary(op)), active, &[a, b], out);
     }
 
     fn scale(&mut self, site: Site, a: &Column, exponent: &Words, out: &mut Column) {
         self.strict.scale(site, &a.lowered, exponent, &mut out.lowered);
         self.strict.scale(site, &a.wide, exponent, &mut out.wide);
-        self.settle(site, ("ldexp", Some(Op::Ldexp)), &Mask::ALL, &[a], out);
+        self.settle(site, "ldexp", Some(Op::Ldexp), &Mask::ALL, &[a], out);
     }
 
     fn compare(&mut self, site: Site, op: Comparison, active: &Mask, a: &Column, b: &Column, out: &mut Words) {
@@ -355,7 +356,7 @@ impl Domain for Beside {
     fn reals_of(&mut self, site: Site, op: FromWords, a: &Words, out: &mut Column) {
         self.strict.reals_of(site, op, a, &mut out.lowered);
         self.strict.reals_of(site, op, a, &mut out.wide);
-        self.settle(site, ("the conversion", Some(Op::Convert)), &Mask::ALL, &[], out);
+        self.settle(site, "the conversion", Some(Op::Convert), &Mask::ALL, &[], out);
     }
 
     fn copy(&mut self, from: &Column, to: &mut Column) {

@@ -72,7 +72,8 @@ impl NpzVariable {
 /// inputs that are missing.
 pub fn rows_of_arrays(
     recorded: &RecordedFile,
-    (name, bytes): (&str, &[u8]),
+    name: &str,
+    bytes: &[u8],
     interface: &Interface<'_>,
     suite: &Suite,
 ) -> Result<(Vec<String>, Vec<RecordedRow>), Vec<Problem>> {

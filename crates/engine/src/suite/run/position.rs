@@ -139,7 +139,7 @@ pub(super) fn probe(
     for salt in 0..BESIDE {
         let mut placed = others(trial, request.seed ^ salt, sample, count, per_case);
         put(&mut placed, at, sample);
-        if let Some(deviation) = beside(trial, (&same, &placed), at, first[at])? {
+        if let Some(deviation) = beside(trial, &same, &placed, at, first[at])? {
             let disturbed = !is_swapped(trial, request, sample, place, &deviation)?;
             let position = Position { invocation: at, count, per_case, wrong: Vec::new(), many: 0, disturbed };
             return Ok(Some(Tied { position, deviation, wrong: Vec::new() }));
@@ -177,7 +177,8 @@ fn is_swapped(
 /// How a sample deviates in its place beside others, each time; it is right beside itself, where it gives `right`.
 fn beside(
     trial: &mut Trial<'_>,
-    (same, placed): (&Batch, &Batch),
+    same: &Batch,
+    placed: &Batch,
     at: usize,
     right: u64,
 ) -> Result<Option<Deviation>, LaneError> {

@@ -415,7 +415,7 @@ fn expected(suite: &Suite, shader: &SourceFile, program: &Program) -> Result<Exp
             if recorded.is_arrays() {
                 let path = recorded.path_for(&suite.chosen);
                 let archive = recorded.archives.iter().find(|(file, _)| *file == path).ok_or_else(|| unread(&path))?;
-                let rows = record::rows_of_arrays(recorded, (&archive.0, &archive.1), &interface, suite);
+                let rows = record::rows_of_arrays(recorded, &archive.0, &archive.1, &interface, suite);
                 return rows_of(&path, rows, program).map_err(|error| error.into_run_error(&unfit));
             }
             let text = recorded.text.as_ref().ok_or_else(|| unread(&recorded.file))?;

@@ -106,7 +106,7 @@ fn compare(
         let (language, count) = (reported.language, reported.deviated);
         part.translations.push(reported);
         if !failing.is_empty() {
-            fail(prepared, translations, (language, failing, count), request, part)?;
+            fail(prepared, translations, language, failing, count, request, part)?;
         }
     }
     part.translations.sort_by_key(|reported| reported.language);
@@ -121,7 +121,9 @@ fn samples(batch: &Batch, comparison: &Comparison, most: usize) -> Vec<Sample> {
 fn fail(
     prepared: &Prepared,
     translations: &Translations,
-    (language, failing, count): (Language, Vec<Sample>, u64),
+    language: Language,
+    failing: Vec<Sample>,
+    count: u64,
     request: &Request,
     part: &mut Part,
 ) -> Result<(), CompareError> {

@@ -161,7 +161,7 @@ fn given(
         let Case { diagnosis, .. } = &*accused[k].case;
         all.push(match (&diagnosis.relation, &diagnosis.position) {
             (Some(relation), _) => (relate::stand_of(&mut trial, relation, &samples[k])?, None),
-            (None, Some(position)) => in_place(prepared, (peer, stage, source), &samples[k], position, &accused[k])?,
+            (None, Some(position)) => in_place(prepared, peer, stage, source, &samples[k], position, &accused[k])?,
             (None, None) => {
                 if one.0 == Stand::Right || other.0 == Stand::Open {
                     one
@@ -204,7 +204,9 @@ fn said(accused: &Accused<'_>, actual: &Actual, at: usize, verdict: &Verdict) ->
 /// What a lane says of a sample in the place in which it failed, behind a batch of other samples.
 fn in_place(
     prepared: &Prepared,
-    (peer, stage, source): (Peer<'_>, Stage, Option<InputSource>),
+    peer: Peer<'_>,
+    stage: Stage,
+    source: Option<InputSource>,
     sample: &Sample,
     position: &Position,
     accused: &Accused<'_>,

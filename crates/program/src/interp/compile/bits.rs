@@ -91,7 +91,7 @@ impl Compiler<'_> {
         words.into_iter().map(|word| self.reals_of(site, FromWords::HalfBits, word)).collect()
     }
 
-    pub(super) fn pack_clamped(&mut self, site: Site, args: &Args, (low, high): (i32, i32)) -> Vec<Register> {
+    pub(super) fn pack_clamped(&mut self, site: Site, args: &Args, low: i32, high: i32) -> Vec<Register> {
         let scalar = args[0][0].scalar;
         let (least, greatest) = match scalar {
             Scalar::I32 => (Word2::MinSigned, Word2::MaxSigned),

@@ -162,7 +162,7 @@ impl<'m> Compiler<'m> {
                 let texels = self.image_load(frame, site.done(Manner::default()), handle, span)?;
                 self.narrowed(site, &texels)
             }
-            Expression::ImageQuery { image, query } => self.image_query(frame, site, (image, query), span)?,
+            Expression::ImageQuery { image, query } => self.image_query(frame, site, image, query, span)?,
             Expression::Derivative { .. } => return refuse("derivatives between fragments"),
             Expression::AtomicResult { .. } | Expression::WorkGroupUniformLoadResult { .. } => {
                 return Err(InterpError::internal("the result of a later statement".to_owned()));

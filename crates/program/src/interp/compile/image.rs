@@ -76,7 +76,8 @@ impl<'m> Compiler<'m> {
     fn texel_access(
         &mut self,
         frame: &mut Frame<'m>,
-        (memory, texels): (u32, &Texels),
+        memory: u32,
+        texels: &Texels,
         (coordinate, layer): Coordinates,
         op: MemoryOp,
         site: Site,
@@ -112,7 +113,7 @@ impl<'m> Compiler<'m> {
             loaded.push(Register { scalar: channel.scalar(), reg: self.temporary() });
         }
         let op = MemoryOp::Load(loaded.iter().copied().zip(0..).collect());
-        let access = self.texel_access(frame, (memory, &texels), at, op, site)?;
+        let access = self.texel_access(frame, memory, &texels, at, op, site)?;
         self.push(Inst::Memory(access));
         for k in loaded.len()..4 {
             let one = k == 3;
@@ -138,7 +139,7 @@ impl<'m> Compiler<'m> {
         let channels = texels.channels.iter().zip(value.iter());
         let kept: Vec<Register> = channels.map(|(channel, one)| self.kept(site, *channel, *one)).collect();
         let op = MemoryOp::Store(kept.into_iter().zip(0..).collect());
-        let access = self.texel_access(frame, (memory, &texels), at, op, site)?;
+        let access = self.texel_access(frame, memory, &texels, at, op, site)?;
         self.push(Inst::Memory(access));
         Ok(())
     }
@@ -184,7 +185,8 @@ impl<'m> Compiler<'m> {
         frame: &mut Frame<'m>,
         image: Handle<Expression>,
         at: Coordinates,
-        (function, value): (&AtomicFunction, Handle<Expression>),
+        function: &AtomicFunction,
+        value: Handle<Expression>,
         span: naga::Span,
     ) -> Result<(), InterpError> {
         let (memory, texels) = self.storage(frame, image, span)?;
@@ -192,7 +194,7 @@ impl<'m> Compiler<'m> {
         let (op, compare) = self.combine(frame, function)?;
         let site = self.statement_site(frame, span);
         let op = MemoryOp::Atomic { op, value, compare, before: None, exchanged: None };
-        let access = self.texel_access(frame, (memory, &texels), at, op, site)?;
+        let access = self.texel_access(frame, memory, &texels, at, op, site)?;
         self.push(Inst::Memory(MemoryAccess { atomic: true, ..access }));
         Ok(())
     }
@@ -201,7 +203,8 @@ impl<'m> Compiler<'m> {
     pub(super) fn storage_query(
         &mut self,
         frame: &mut Frame<'m>,
-        (image, query): (Handle<Expression>, ImageQuery),
+        image: Handle<Expression>,
+        query: ImageQuery,
     ) -> Result<Option<Vec<Register>>, InterpError> {
         let Some((memory, texels)) = self.texels(frame, image)? else { return Ok(None) };
         let plane = texels.axes - usize::from(texels.layered);

@@ -90,14 +90,14 @@ impl RegisterLayout {
     /// Words that a value takes; those of a type without a fixed size up to its last member.
     fn words(self, module: &Module, inner: &TypeInner) -> Result<u32, String> {
         let mut leaves = Vec::new();
-        self.leaves(module, inner, ("", &[]), 0, &mut leaves)?;
+        self.leaves(module, inner, "", &[], 0, &mut leaves)?;
         Ok(leaves.iter().map(|leaf| leaf.offset + leaf_words(self, leaf)).max().unwrap_or(0))
     }
 
     /// The scalars of a type with their distances from its beginning. An array without a fixed size has none.
     pub(super) fn scalars(self, module: &Module, inner: &TypeInner) -> Result<Vec<(Scalar, u32)>, String> {
         let mut leaves = Vec::new();
-        self.leaves(module, inner, ("", &[]), 0, &mut leaves)?;
+        self.leaves(module, inner, "", &[], 0, &mut leaves)?;
         Ok(leaves.into_iter().map(|leaf| (leaf.scalar, leaf.offset)).collect())
     }
 
@@ -105,7 +105,8 @@ impl RegisterLayout {
         self,
         module: &Module,
         inner: &TypeInner,
-        (name, lens): (&str, &[u32]),
+        name: &str,
+        lens: &[u32],
         at: u32,
         all: &mut Vec<Leaf>,
     ) -> Result<(), String> {
@@ -145,7 +146,7 @@ impl RegisterLayout {
                 let name = format!("{name}[]");
                 let lens = [lens, &[len.get()]].concat();
                 for k in 0..len.get() {
-                    self.leaves(module, of(base), (&name, &lens), at.saturating_add(k.saturating_mul(stride)), all)?;
+                    self.leaves(module, of(base), &name, &lens, at.saturating_add(k.saturating_mul(stride)), all)?;
                 }
             }
             TypeInner::Array { size: ArraySize::Dynamic, .. } => {}
@@ -154,7 +155,7 @@ impl RegisterLayout {
                     let inside = member.name.clone().unwrap_or_else(|| format!("member {k}"));
                     let name = if name.is_empty() { inside } else { format!("{name}.{inside}") };
                     let offset = self.part(module, inner, k as u32).ok_or("a member without a place")?;
-                    self.leaves(module, of(member.ty), (&name, lens), at + offset, all)?;
+                    self.leaves(module, of(member.ty), &name, lens, at + offset, all)?;
                 }
             }
             // What else cannot be in memory has a message there.
@@ -193,7 +194,7 @@ pub(super) fn shape(module: &Module, handle: Handle<GlobalVariable>) -> Result<M
     let layout = RegisterLayout::of(module, variable);
     let inner = &module.types[variable.ty].inner;
     let mut fixed = Vec::new();
-    layout.leaves(module, inner, ("", &[]), 0, &mut fixed)?;
+    layout.leaves(module, inner, "", &[], 0, &mut fixed)?;
     let (mut at, mut ty) = (0, variable.ty);
     let mut path = String::new();
     let array = loop {
@@ -202,7 +203,7 @@ pub(super) fn shape(module: &Module, handle: Handle<GlobalVariable>) -> Result<M
                 let inner = &module.types[ty].inner;
                 let (stride, _) = layout.elements(module, inner).ok_or("an array without a stride")?;
                 let mut leaves = Vec::new();
-                layout.leaves(module, &module.types[base].inner, (&path, &[]), 0, &mut leaves)?;
+                layout.leaves(module, &module.types[base].inner, &path, &[], 0, &mut leaves)?;
                 break Some(Array { name: path, offset: at, stride: stride.max(1), leaves });
             }
             TypeInner::Struct { ref members, .. } => {

@@ -145,7 +145,7 @@ impl<'m> Compiler<'m> {
         let value = self.value(frame, base)?;
         let inner = self.pointee(frame, base);
         if let Evaluated::Pointer(pointer @ Pointer { memory: Some(_), .. }) = &value {
-            return self.shared_part(frame, pointer, (base, &inner), index);
+            return self.shared_part(frame, pointer, base, &inner, index);
         }
         let part = types::part(self.module, &inner, index);
         let (at, len) = part.ok_or_else(|| unsupported("this kind of access".to_owned(), frame.span))?;
@@ -168,7 +168,7 @@ impl<'m> Compiler<'m> {
         let index = self.single(frame, index)?.reg;
         let inner = self.pointee(frame, base);
         if let Evaluated::Pointer(pointer @ Pointer { memory: Some(_), .. }) = &value {
-            return Self::shared_element(self.module, frame, pointer, &inner, (index, site));
+            return Self::shared_element(self.module, frame, pointer, &inner, index, site);
         }
         let elements = types::elements(self.module, &inner);
         let (stride, len) = elements.ok_or_else(|| unsupported("this kind of access".to_owned(), frame.span))?;

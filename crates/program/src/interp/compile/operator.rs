@@ -93,14 +93,14 @@ impl<'m> Compiler<'m> {
             let (l, r) = (inner(left), inner(right));
             match (size(l), size(r)) {
                 (Some((_, rows)), Some((columns, inner))) => {
-                    return Ok(self.matrix_product(site, &a, &b, (rows, inner, columns)));
+                    return Ok(self.matrix_product(site, &a, &b, rows, inner, columns));
                 }
                 (Some((columns, rows)), None) if vector(r) => {
-                    return Ok(self.matrix_product(site, &a, &b, (rows, columns, 1)));
+                    return Ok(self.matrix_product(site, &a, &b, rows, columns, 1));
                 }
                 // A row from the left: one row of a matrix with as many columns as it has components.
                 (None, Some((columns, rows))) if vector(l) => {
-                    return Ok(self.matrix_product(site, &a, &b, (1, rows, columns)));
+                    return Ok(self.matrix_product(site, &a, &b, 1, rows, columns));
                 }
                 _ => {}
             }
@@ -129,7 +129,9 @@ impl<'m> Compiler<'m> {
         site: Site,
         a: &[Register],
         b: &[Register],
-        (rows, inner, columns): (usize, usize, usize),
+        rows: usize,
+        inner: usize,
+        columns: usize,
     ) -> Vec<Register> {
         let mut all = Vec::with_capacity(rows * columns);
         for column in 0..columns {

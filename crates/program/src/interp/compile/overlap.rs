@@ -30,7 +30,8 @@ impl<'m> Compiler<'m> {
     pub(super) fn note_overlaps(
         &mut self,
         frame: &mut Frame<'m>,
-        (arguments, values): (&[Handle<Expression>], &[Evaluated]),
+        arguments: &[Handle<Expression>],
+        values: &[Evaluated],
         rest: &'m [Statement],
         span: naga::Span,
     ) {
@@ -40,7 +41,7 @@ impl<'m> Compiler<'m> {
         }
         let mut targets = Vec::new();
         for k in passed {
-            targets.extend(self.targets(frame, (k, arguments[k]), &values[k], rest));
+            targets.extend(self.targets(frame, k, arguments[k], &values[k], rest));
         }
         for (k, one) in targets.iter().enumerate() {
             for other in targets[k + 1..].iter().filter(|other| other.argument != one.argument) {
@@ -63,7 +64,8 @@ impl<'m> Compiler<'m> {
     fn targets(
         &mut self,
         frame: &mut Frame<'m>,
-        (argument, handle): (usize, Handle<Expression>),
+        argument: usize,
+        handle: Handle<Expression>,
         value: &Evaluated,
         rest: &'m [Statement],
     ) -> Vec<OutTarget> {

@@ -25,7 +25,8 @@ impl<'m> Compiler<'m> {
         &mut self,
         frame: &Frame<'m>,
         pointer: &Pointer,
-        (base, inner): (Handle<Expression>, &TypeInner),
+        base: Handle<Expression>,
+        inner: &TypeInner,
         index: u32,
     ) -> Result<Evaluated, InterpError> {
         let refused = || unsupported("this kind of access".to_owned(), frame.span);
@@ -33,7 +34,7 @@ impl<'m> Compiler<'m> {
         // What is behind the elements that there are is found where it is used.
         if let TypeInner::Array { size: naga::ArraySize::Dynamic, .. } = inner {
             let (site, reg) = (self.site(frame, base), self.word(index, Scalar::U32).reg);
-            return Self::shared_element(self.module, frame, pointer, inner, (reg, site));
+            return Self::shared_element(self.module, frame, pointer, inner, reg, site);
         }
         let at = layout.part(self.module, inner, index).ok_or_else(refused)?;
         Ok(Evaluated::Pointer(Pointer { offset: pointer.offset + at as usize, ..pointer.clone() }))
@@ -45,7 +46,8 @@ impl<'m> Compiler<'m> {
         frame: &Frame<'m>,
         pointer: &Pointer,
         inner: &TypeInner,
-        (reg, site): (u32, Site),
+        reg: u32,
+        site: Site,
     ) -> Result<Evaluated, InterpError> {
         let refused = || unsupported("this kind of access".to_owned(), frame.span);
         let mut pointer = pointer.clone();

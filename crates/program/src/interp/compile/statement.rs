@@ -212,7 +212,7 @@ impl<'m> Compiler<'m> {
                 }
             }
             Statement::Call { function, arguments, result } => {
-                self.call(frame, *function, (arguments, rest), *result, span)?;
+                self.call(frame, *function, arguments, rest, *result, span)?;
             }
             Statement::ControlBarrier(barrier) => self.barrier(frame, *barrier, span)?,
             Statement::MemoryBarrier(orders) if !self.subject.shared.is_empty() => {
@@ -228,7 +228,7 @@ impl<'m> Compiler<'m> {
                 self.atomic(frame, *pointer, fun, *value, *result)?;
             }
             Statement::ImageAtomic { image, coordinate, array_index, fun, value } => {
-                self.atomic_texel(frame, *image, (*coordinate, *array_index), (fun, *value), span)?;
+                self.atomic_texel(frame, *image, (*coordinate, *array_index), fun, *value, span)?;
             }
             Statement::WorkGroupUniformLoad { pointer, result } => {
                 self.uniform_load(frame, *pointer, *result, span)?;
@@ -260,7 +260,8 @@ impl<'m> Compiler<'m> {
         &mut self,
         frame: &mut Frame<'m>,
         handle: Handle<Function>,
-        (arguments, rest): (&[Handle<Expression>], &'m [Statement]),
+        arguments: &[Handle<Expression>],
+        rest: &'m [Statement],
         result: Option<Handle<Expression>>,
         span: naga::Span,
     ) -> Result<(), InterpError> {
@@ -295,7 +296,7 @@ impl<'m> Compiler<'m> {
         // Slots may have returned before they wrote.
         self.assigned = assigned;
         self.push(Inst::Call { body });
-        self.note_overlaps(frame, (arguments, &values), rest, span);
+        self.note_overlaps(frame, arguments, &values, rest, span);
         if let Some(result) = result {
             // The registers of the result are written again when this call is run again.
             let copies = self.copies(&registers);

@@ -139,10 +139,11 @@ impl<'m> Compiler<'m> {
         &mut self,
         frame: &mut Frame<'m>,
         site: Site,
-        (image, query): (Handle<Expression>, ImageQuery),
+        image: Handle<Expression>,
+        query: ImageQuery,
         span: naga::Span,
     ) -> Result<Vec<Register>, InterpError> {
-        if let Some(numbers) = self.storage_query(frame, (image, query))? {
+        if let Some(numbers) = self.storage_query(frame, image, query)? {
             return Ok(numbers);
         }
         let (_, texture) = self.bound(frame, image, span)?;
@@ -194,7 +195,7 @@ impl<'m> Compiler<'m> {
     }
 
     /// ⌊size·u + shift⌋ + offset, clamped.
-    fn texel_of(&mut self, site: Site, u: Register, size: u32, shift: f32, (low, high): (i32, i32)) -> Register {
+    fn texel_of(&mut self, site: Site, u: Register, size: u32, shift: f32, low: i32, high: i32) -> Register {
         let scale = self.real(size as f32, None);
         let mut x = self.real2(site, Binary::Multiply, u, scale);
         if shift != 0.0 {
@@ -231,7 +232,7 @@ impl<'m> Compiler<'m> {
             let size = sizes[k];
             let offset = offset.get(k).copied().unwrap_or(0);
             let last = size.cast_signed() - 1;
-            let texel = self.texel_of(site, u, size, 0.0, (-offset, last - offset));
+            let texel = self.texel_of(site, u, size, 0.0, -offset, last - offset);
             at[k] = self.plus(site, texel, offset);
         }
         Ok(TexelAt { x: at[0], y: at[1], layer: at[2] })
@@ -256,7 +257,7 @@ impl<'m> Compiler<'m> {
         let pair = |this: &mut Self, u: Register, size: u32, offset: i32| {
             let last = size.cast_signed() - 1;
             // The lower one of two neighbours, from one before the first to the last.
-            let low = this.texel_of(site, u, size, -0.5, (-1 - offset, last - offset));
+            let low = this.texel_of(site, u, size, -0.5, -1 - offset, last - offset);
             let (low, high) = (this.plus(site, low, offset), this.plus(site, low, offset + 1));
             let (zero, last) = (this.word(0, Scalar::I32), this.word(last.cast_unsigned(), Scalar::I32));
             [

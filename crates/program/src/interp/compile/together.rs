@@ -75,7 +75,7 @@ impl<'m> Compiler<'m> {
             let mut invocations = Vec::new();
             let mut owns = Vec::new();
             for local in places(size) {
-                let arguments = self.built_ins(function, (groups, group), (size, local), at)?;
+                let arguments = self.built_ins(function, groups, group, size, local, at)?;
                 invocations.push((None, function, info, arguments, Rc::from([])));
                 owns.push(Own::new());
             }
@@ -90,8 +90,10 @@ impl<'m> Compiler<'m> {
     fn built_ins(
         &mut self,
         function: &Function,
-        (groups, group): ([u32; 3], [u32; 3]),
-        (size, local): ([u32; 3], [u32; 3]),
+        groups: [u32; 3],
+        group: [u32; 3],
+        size: [u32; 3],
+        local: [u32; 3],
         at: naga::Span,
     ) -> Result<Vec<Evaluated>, InterpError> {
         let mut values = Vec::new();

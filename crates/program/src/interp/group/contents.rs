@@ -144,7 +144,7 @@ impl<'e, D: InMemory> Workgroup<'e, '_, D> {
                 }
             }
             MemoryOp::Atomic { op, value, compare, before, exchanged } => {
-                self.atomic(access, (k, slot), place, (*op, *value, *compare), (*before, *exchanged));
+                self.atomic(access, k, slot, place, (*op, *value, *compare), (*before, *exchanged));
             }
         }
     }
@@ -153,7 +153,8 @@ impl<'e, D: InMemory> Workgroup<'e, '_, D> {
     fn atomic(
         &mut self,
         access: &MemoryAccess,
-        (k, slot): (usize, usize),
+        k: usize,
+        slot: usize,
         place: Option<usize>,
         (op, value, compare): (Combine, Register, Option<Reg>),
         (before, exchanged): (Option<Register>, Option<Reg>),

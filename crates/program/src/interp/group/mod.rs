@@ -359,7 +359,7 @@ impl<'e, D: InMemory> Workgroup<'e, '_, D> {
                 self.set(accepted.iter().zip(rejected).map(|(a, b)| a.or(b)));
             }
             Inst::Switch { selector, cases } => self.switch(*selector, cases),
-            Inst::Loop { body, continuing, break_if, site } => self.repeat((body, continuing), *break_if, *site),
+            Inst::Loop { body, continuing, break_if, site } => self.repeat(body, continuing, *break_if, *site),
             Inst::Call { body } => {
                 let before = self.masks();
                 self.block(body);
@@ -411,7 +411,7 @@ impl<'e, D: InMemory> Workgroup<'e, '_, D> {
         }
     }
 
-    fn repeat(&mut self, (body, continuing): (&'e [Inst], &'e [Inst]), break_if: Option<u32>, site: Site) {
+    fn repeat(&mut self, body: &'e [Inst], continuing: &'e [Inst], break_if: Option<u32>, site: Site) {
         let round = || Breakable { left: Mask::NONE, next: Some(Mask::NONE) };
         self.machines.iter_mut().for_each(|machine| machine.breakable.push(round()));
         while !self.is_idle() {

@@ -203,9 +203,7 @@ impl<'e, D: InMemory> Workgroup<'e, '_, D> {
                 let all = self.folded(inst.args[component], fold, here, Some(neutral));
                 all[..here.len()].to_vec()
             }
-            SubgroupOp::Take(from) => {
-                here.iter().map(|&k| self.taken(inst, component, (first, here), k, from)).collect()
-            }
+            SubgroupOp::Take(from) => here.iter().map(|&k| self.taken(inst, component, first, here, k, from)).collect(),
         }
     }
 
@@ -242,7 +240,8 @@ impl<'e, D: InMemory> Workgroup<'e, '_, D> {
         &self,
         inst: &Subgroup,
         component: usize,
-        (first, here): (usize, &[usize]),
+        first: usize,
+        here: &[usize],
         k: usize,
         from: From,
     ) -> SubgroupValue<D::Cell> {

@@ -49,7 +49,7 @@ fn read(arrays: &[(&str, Vec<u8>)]) -> Result<(Vec<String>, Vec<RecordedRow>), S
     let suite = parse(&SourceFile::new("s.suite.toml", SUITE)).unwrap().variants().remove(0);
     let Expect::Recorded(recorded) = &suite.expect else { panic!("a record") };
     assert_eq!(recorded.path_for(&suite.chosen), "s_3.npz");
-    let found = rows_of_arrays(recorded, ("s_3.npz", &archive(arrays)), &interface, &suite);
+    let found = rows_of_arrays(recorded, "s_3.npz", &archive(arrays), &interface, &suite);
     found.map_err(|all| all.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n"))
 }
 
