@@ -246,3 +246,38 @@ fn a_suite_names_what_its_host_puts_before_a_text() {
         run(&[("part.suite.toml", &with), part, far, right], &["mutate", "--lane", "embedded", "--samples", "256"]);
     assert!(status == Some(0) && out.contains("100.0 %"), "{out}{err}");
 }
+
+#[test]
+fn a_name_that_nothing_declares_is_told_in_a_whole_module() {
+    let module = |call: &str, more: &str| {
+        format!(
+            "@group(0) @binding(0) var t: texture_2d<f32>;\n@group(0) @binding(1) var s: sampler;\n\
+             @fragment fn fs(@location(0) uv: vec2f) -> @location(0) vec4f {{\n  return {call};\n}}\n{more}"
+        )
+    };
+    let lint = |text: &str, others: &[(&str, &str)], level: &str| {
+        let files: Vec<(&str, &str)> = [("a.wgsl", text)].into_iter().chain(others.iter().copied()).collect();
+        let args = ["lint", "--level", level, "--format", "concise"];
+        let paths: Vec<&str> = others.iter().map(|(name, _)| *name).collect();
+        run(&files, &[&args[..], &paths[..]].concat()).1
+    };
+    for (call, error) in [
+        ("textureSampel(t, s, uv)", "a.wgsl:4:10: error[E021]"),
+        ("vec4f(uv, 0.0, brightness)", "a.wgsl:4:25: error[E020]"),
+        ("vec4f(shade(uv), 0.0, 1.0)", "a.wgsl:4:16: error[E021]"),
+    ] {
+        let out = lint(&module(call, ""), &[], "default");
+        assert!(out.starts_with(error), "{call}: {out}");
+    }
+    let out = lint(&module("textureSampel(t, s, uv)", ""), &[], "default");
+    assert!(out.contains("`textureSampel` is not declared"), "{out}");
+    // The twins: what the text declares, what the language has, and what others may put beside the text.
+    assert_eq!(lint(&module("textureSample(t, s, uv)", ""), &[], "default"), "");
+    assert_eq!(lint(&module("vec4f(uv, 0.0, gain)", "const gain = 1.0;\n"), &[], "default"), "");
+    let piece = "fn other() -> f32 { return brightness; }\n";
+    assert_eq!(lint(piece, &[], "default"), "");
+    assert!(lint(piece, &[], "strict").contains("E020"));
+    let host = ("m.js", "const more = 'const brightness = 0.5;';\n");
+    assert_eq!(lint(&module("vec4f(uv, 0.0, brightness)", ""), &[host], "default"), "");
+    assert_eq!(lint(&module("vec4f(uv, 0.0, BRIGHTNESS)", ""), &[], "default"), "", "a host puts constants in front");
+}

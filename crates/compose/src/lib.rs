@@ -29,12 +29,14 @@ mod token;
 #[cfg(test)]
 mod tests;
 
-use base::diagnostic::{Code, Diagnostic, Severity};
+use std::collections::{BTreeSet, HashSet};
+
+use base::diagnostic::{Code, Diagnostic, Severity, message};
 use base::text::{SourceFile, Span};
 pub use features::features;
 pub use import::{ModulePath, Origin};
-use syntax::errors;
 pub use syntax::include::Wanted;
+use syntax::{TokenKind, errors};
 
 /// Where files come from.
 pub trait Library {
@@ -136,6 +138,8 @@ pub struct Undeclared {
     pub name: String,
     /// Its first use, in the composed text.
     pub span: Span,
+    /// True where that use calls it.
+    pub called: bool,
     /// Files that declare it, in different ways.
     pub candidates: Vec<String>,
     /// The condition under which it would be declared, as it is written.
@@ -146,6 +150,48 @@ impl Composed {
     /// The name of a declaration as its author writes it; the name itself where it is the author's.
     pub fn authored<'a>(&'a self, written: &'a str) -> &'a str {
         self.renamed.iter().find(|r| r.written == written).map_or(written, |r| &r.name)
+    }
+
+    /// One error for each name that nothing declares, at its first use, with the name that was probably meant. What files
+    /// beside this one declare, and what a condition leaves out, is named.
+    pub fn unknown_names(&self) -> Vec<Diagnostic> {
+        let text = self.file.text();
+        let missing: HashSet<&str> = self.undeclared.iter().map(|u| u.name.as_str()).collect();
+        let words = syntax::wgsl::tokens(text).into_iter().filter(|token| token.kind == TokenKind::Word);
+        let own = words
+            .map(|token| &text[token.span.range()])
+            .filter(|word| !missing.contains(word) && !predeclared::is_keyword(word));
+        let mut known: BTreeSet<&str> = own.collect();
+        for name in predeclared::types_and_functions() {
+            known.insert(name);
+        }
+        let error = |lacking: &Undeclared| {
+            let name = lacking.name.as_str();
+            let before = text[..lacking.span.start].trim_end();
+            let code = match () {
+                () if lacking.called => errors::UNKNOWN_FUNCTION,
+                () if before.ends_with([':', '<']) || before.ends_with("->") => errors::UNKNOWN_TYPE,
+                () => errors::UNKNOWN_NAME,
+            };
+            let message = message!("`{name}` is not declared", "`{name}` は宣言されていません");
+            let new = Diagnostic::new(code, Severity::Error, &self.file, lacking.span, message)
+                .with_label(message!("unknown name", "未知の名前"));
+            let new = match (&lacking.condition, &lacking.candidates[..]) {
+                (Some(condition), _) => {
+                    new.with_why(message!("it is declared under `{condition}`", "`{condition}` の下で宣言されています"))
+                }
+                (None, files @ [_, ..]) => {
+                    let files = files.join(", ");
+                    new.with_why(message!("{files} declare it differently", "{files} の宣言が異なります"))
+                }
+                (None, []) => match syntax::nearest(name, known.iter().copied()) {
+                    Some(near) => new.with_help(message!("did you mean `{near}`?", "`{near}` のことですか")),
+                    None => new,
+                },
+            };
+            new.at_origin()
+        };
+        self.undeclared.iter().map(error).collect()
     }
 
     /// What to tell where the text lacks declarations: which names, and what to do. None where it lacks none.

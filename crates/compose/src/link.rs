@@ -344,7 +344,8 @@ impl Linker<'_> {
             let files = candidates.iter().map(|at| self.linked.modules[at.0].author.name().to_owned());
             let left_out = self.linked.modules.iter().flat_map(|module| &module.left_out);
             let condition = left_out.into_iter().find(|(n, _)| *n == name).map(|(_, condition)| condition.clone());
-            let undeclared = Undeclared { name, span: Span::default(), candidates: files.collect(), condition };
+            let called = used.called;
+            let undeclared = Undeclared { name, span: Span::default(), called, candidates: files.collect(), condition };
             self.undeclared.push((item, used.clone(), undeclared));
         }
         None

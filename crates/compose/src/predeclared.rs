@@ -12,6 +12,16 @@ pub(crate) fn is_predeclared(name: &str) -> bool {
     NAMES.contains(name) || is_vector_or_matrix(name)
 }
 
+/// The types and functions of the language, but for vectors and matrices.
+pub(crate) fn types_and_functions() -> impl Iterator<Item = &'static str> {
+    [TYPES, FUNCTIONS].into_iter().flat_map(str::split_whitespace)
+}
+
+/// True for a word of the grammar.
+pub(crate) fn is_keyword(word: &str) -> bool {
+    KEYWORDS.split_whitespace().any(|keyword| keyword == word)
+}
+
 /// `vec3`, `vec3f`, `mat4x2`, `mat4x2h` and their like.
 fn is_vector_or_matrix(name: &str) -> bool {
     let size = |c: char| matches!(c, '2' | '3' | '4');

@@ -187,7 +187,8 @@ fn leave_doubtful_to_strict(project: &Project, told: &mut [(Level, Diagnostic)])
         let about_a_name = open::is_about_a_name(error);
         let may_be_supplied = || supplied.may_be(error);
         let doubtful = || shader.is_doubtful(error) || rewritten.contains(error.file.name());
-        if doubtful() || (about_a_name && (may_be_supplied() || may_be_in_front())) {
+        let of_host = || open::is_of_host(project, &shader.shader, error);
+        if doubtful() || (about_a_name && (may_be_supplied() || may_be_in_front() || of_host())) {
             *level = Level::Strict;
         }
     }

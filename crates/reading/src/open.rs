@@ -10,6 +10,7 @@ use base::diagnostic::{Code, Diagnostic};
 use base::text::SourceFile;
 use syntax::ast::ItemKind;
 use syntax::errors::Around;
+use syntax::wgsl::Module;
 use syntax::{BuiltinFunction, Profile, Shader, Stage, Token, TokenKind, TokenPlace, Version, errors, is_macro};
 
 use super::conditions::{self, Conditions};
@@ -320,6 +321,13 @@ fn is_old(shader: &Shader) -> bool {
     shader.tokens().iter().any(is)
 }
 
+/// True where other texts may declare the name that a module in WGSL lacks: the module is a piece, is put together or filled
+/// in, or another text was found to declare it.
+pub fn declares_elsewhere(shader: &Shader, error: &Diagnostic) -> bool {
+    let is_whole = |m: &Module| !m.entry_points.is_empty() && !(m.composed || m.varies || m.filled);
+    error.why.is_some() || !shader.wgsl().is_some_and(is_whole)
+}
+
 /// Names that hosts can put in front of the shaders of a project: words of pieces, and those of texts that host code
 /// writes and that are no whole shader.
 pub fn names_in_front(project: &Project) -> HashSet<String> {
@@ -329,7 +337,11 @@ pub fn names_in_front(project: &Project) -> HashSet<String> {
         names.extend(words.filter(|w| w.len() > 1).map(str::to_owned));
     };
     for (_, shader) in project.shader_files() {
-        if shader.shader.function("main").is_none() {
+        let is_piece = match shader.shader.wgsl() {
+            Some(module) => module.entry_points.is_empty(),
+            None => shader.shader.function("main").is_none(),
+        };
+        if is_piece {
             let shader = &shader.shader;
             let code =
                 shader.tokens().iter().filter(|t| t.kind == TokenKind::Word).map(|t| shader.file().slice(t.span));
@@ -356,6 +368,13 @@ fn written(line: &str) -> Option<&str> {
         ["#define ", "uniform ", "const ", "in ", "out ", "varying ", "attribute ", "layout", "struct ", "\\n#define "];
     let declares = |start: &&str| quoted.trim_start().starts_with(*start) && quoted.len() > start.len();
     starts.iter().any(declares).then_some(quoted)
+}
+
+/// True for a name that a module in WGSL lacks and that host code has somewhere: it may put a declaration in front.
+pub fn is_of_host(project: &Project, shader: &Shader, error: &Diagnostic) -> bool {
+    let name = error.file.slice(error.span);
+    let of_wgsl = shader.wgsl().is_some() && errors::is_name(error.code);
+    of_wgsl && project.hosts().any(|host| host.file.text().contains(name) && marks::has_word(host.file.text(), name))
 }
 
 /// True for an error that is about a name, or at a macro: something in front may declare it.

@@ -52,6 +52,7 @@ pub use constructor::{Constructor, Fit, constructor_needs};
 pub use fitting::fitting;
 pub use fold::Const;
 use interface::Interface;
+pub use names::nearest;
 pub use other_language::{Looks, looks_like, other_language};
 pub use preprocess::plain;
 pub use stage::Stage;

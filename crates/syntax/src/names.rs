@@ -1,7 +1,7 @@
 //! Suggestions for misspelt names.
 
 /// The name closest to `name`: at most one change for three characters. The first one wins a tie.
-pub(crate) fn nearest<'a>(name: &str, among: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub fn nearest<'a>(name: &str, among: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let most = (name.chars().count() / 3).clamp(1, 3);
     let mut best: Option<(usize, &str)> = None;
     for other in among {

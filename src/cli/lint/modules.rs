@@ -29,19 +29,34 @@ pub fn composer(folders: &[PathBuf]) -> Composer {
         let on: Vec<(String, String)> = features(file).into_iter().map(|name| (name, String::new())).collect();
         let conditions = !on.is_empty();
         let sets = if on.is_empty() { vec![on] } else { vec![on, Vec::new()] };
-        let whole = |defines| {
+        // Names that are missing whatever is switched on.
+        let mut missing: Option<Vec<Diagnostic>> = None;
+        let mut whole = |defines| {
             let options = Options { defines, ..Options::default() };
             let composed = modules.lock().unwrap_or_else(PoisonError::into_inner).compose(file, &options).ok()?;
-            composed.undeclared.is_empty().then_some((composed.file, composed.notes))
+            if composed.undeclared.is_empty() {
+                return Some((composed.file, composed.notes));
+            }
+            let mut lacks = composed.unknown_names();
+            lacks.retain(|d| d.file.name() == file.name());
+            if let Some(before) = &missing {
+                lacks.retain(|d| before.iter().any(|b| b.span == d.span));
+            }
+            missing = Some(lacks);
+            None
         };
         let draft = |note: Diagnostic| (Level::Default, note);
-        let Some((joined, notes)) = sets.into_iter().find_map(whole) else {
+        let Some((joined, notes)) = sets.into_iter().find_map(&mut whole) else {
             if let Some(composed) = with_stand_ins(&modules, file) {
                 return Some(composed);
             }
             // What a text lacks does not keep it from being read as the language that it is in.
-            let (current, note) = from_draft(file)?;
-            return Some(Composed { file: current, refused: vec![draft(note)] });
+            if let Some((current, note)) = from_draft(file) {
+                return Some(Composed { file: current, refused: vec![draft(note)] });
+            }
+            let level = if conditions { Level::Strict } else { Level::Default };
+            let refused = missing?.into_iter().map(|error| (level, error)).collect();
+            return Some(Composed { file: file.clone(), refused });
         };
         let own = notes.into_iter().filter(|note| note.code == EARLY_DRAFT && note.file.name() == file.name());
         let own: Vec<_> = own.map(draft).collect();

@@ -9,7 +9,8 @@ use super::{Fault, File, expect_none, file, messages, project};
 /// Crates of the workspace that run in a browser as well: none of them may need what is in [`OUTSIDE`], directly or
 /// through another.
 const INSIDE: [&str; 12] = [
-    "base", "number", "syntax", "compose", "property", "program", "judge", "hosts", "analysis", "reading", "lint", "lsp",
+    "base", "number", "syntax", "compose", "property", "program", "judge", "hosts", "analysis", "reading", "lint",
+    "lsp",
 ];
 
 /// Libraries that open devices, start processes or write files.

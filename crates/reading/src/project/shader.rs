@@ -102,7 +102,16 @@ impl ShaderFile {
                 let shader = if varies { shader.varying() } else { shader };
                 let mut shader = Self::read(input, Parsed { shader, diagnostics });
                 shader.author = shader.file.is_assembled().then(|| input.file.clone());
+                // Names are told as those of GLSL are: what stands around the text may declare them.
+                let (names, refused): (Vec<_>, Vec<_>) =
+                    refused.into_iter().partition(|(_, d)| errors::is_name(d.code));
                 shader.refused = refused;
+                for (level, error) in names {
+                    if level > Level::Default || open::declares_elsewhere(&shader.shader, &error) {
+                        shader.doubtful.push((error.code, error.span));
+                    }
+                    shader.front_end.push(error);
+                }
                 if varies {
                     // The host may state other features, and no other language.
                     let (sure, asked) =
