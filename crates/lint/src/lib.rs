@@ -172,11 +172,7 @@ fn leave_doubtful_to_strict(project: &Project, told: &mut [(Level, Diagnostic)])
     let mut in_front: Option<HashSet<String>> = None;
     let supplied = open::supplied(project);
     let marks = open::repeated_marks(project);
-    let rewritten: HashSet<&str> = project
-        .shaders()
-        .filter(|s| marks.are_in(s.front_end.iter().chain(&s.on_request)))
-        .map(|s| s.file.name())
-        .collect();
+    let rewritten: HashSet<&str> = project.shaders().filter(|s| marks.are_in(s)).map(|s| s.file.name()).collect();
     for (level, error) in told.iter_mut().filter(|(level, _)| *level == Level::Default) {
         let stands = |s: &&&ShaderFile| s.front_end.iter().any(|d| d.code == error.code && d.span == error.span);
         let Some(shader) = shaders.get(error.file.name()).and_then(|all| all.iter().find(stands)) else { continue };

@@ -59,9 +59,6 @@ const PARAMETRISED: [&str; 8] =
 /// Endings of the files that a host puts in.
 const PARTS: [&str; 8] = [".glsl", ".glslh", ".glsli", ".inc", ".comp", ".vert", ".frag", ".hlsl"];
 
-/// Words of a template engine that stand at the beginning of a line.
-const CONTROLS: [&str; 7] = ["$if ", "$if(", "$for ", "$else", "$elif", "$endif", "{%"];
-
 /// True for a text that another preprocessor takes apart, or one in a language with more types: nothing of it says what is
 /// wrong in GLSL.
 pub fn needs_another_reader(shader: &Shader) -> bool {
@@ -69,14 +66,7 @@ pub fn needs_another_reader(shader: &Shader) -> bool {
     let word = |span: base::text::Span| PARAMETRISED.contains(&shader.file().slice(span));
     let parametrised =
         || shader.tokens().iter().any(|t| word(t.span) && text[t.span.end..].trim_start().starts_with('<'));
-    text.lines().map(str::trim).any(|line| is_control(line) || is_host_include(line)) || parametrised()
-}
-
-/// `$if STORAGE == "buffer":`, `${layout_declare_ubo(B, "ivec4", "sizes")}`
-fn is_control(line: &str) -> bool {
-    let call = line.strip_prefix("${").and_then(|rest| rest.split_once('('));
-    let name = |name: &str| !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-    CONTROLS.iter().any(|word| line.starts_with(word)) || call.is_some_and(|(called, _)| name(called))
+    text.lines().map(str::trim).any(is_host_include) || parametrised()
 }
 
 /// `AppInclude(include/Math.glsl)`
@@ -94,38 +84,4 @@ fn is_host_include(line: &str) -> bool {
 /// True for a text into which directives of a tool bring others.
 pub fn imports(text: &str) -> bool {
     ["#pragma glslify", "#pragma include", "#pragma import"].iter().any(|directive| text.contains(directive))
-}
-
-/// True for what another preprocessor than that of GLSL reads.
-pub fn is_foreign(file: &SourceFile, error: &Diagnostic) -> bool {
-    match error.code {
-        errors::INCLUDE => true,
-        errors::UNKNOWN_DIRECTIVE => error.help.is_none(),
-        errors::TOKEN => file.slice(error.span).starts_with(['@', '$', '`', '\\']),
-        errors::SYNTAX => {
-            let before = file.text()[..error.span.start].trim_end();
-            is_template_name(&file.text()[error.span.start..])
-                || is_braced_name(&file.text()[error.span.start..])
-                || ["{{", "[[", "##"].iter().any(|mark| file.text()[error.span.start..].starts_with(mark))
-                || before.ends_with(['$', '@', '#'])
-        }
-        _ => false,
-    }
-}
-
-/// True for text that begins with a name in capitals between braces: `float weight[{SAMPLES}];`.
-fn is_braced_name(text: &str) -> bool {
-    let name = text.strip_prefix('{').and_then(|rest| rest.split_once('}')).map(|(name, _)| name);
-    name.is_some_and(syntax::is_macro)
-}
-
-/// True for text that begins with a name between marks: `%BoneCount%`.
-fn is_template_name(text: &str) -> bool {
-    let name = text.strip_prefix('%').and_then(|rest| rest.split_once('%')).map(|(name, _)| name);
-    name.is_some_and(|name| !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_'))
-}
-
-/// True for a text with marks of a template, in directives as well: `#define SIZE ${size}`.
-pub fn is_filled_in(shader: &Shader) -> bool {
-    shader.tokens().iter().any(|t| shader.file().slice(t.span).starts_with('$'))
 }

@@ -15,7 +15,7 @@ use syntax::{BuiltinFunction, Profile, Shader, Stage, Token, TokenKind, TokenPla
 
 use super::conditions::{self, Conditions};
 use super::dialect;
-use super::project::Project;
+use super::project::{Project, ShaderFile};
 use hosts::marks;
 
 /// Those of the errors of a text that its host may take away.
@@ -64,8 +64,7 @@ fn of(shader: &Shader, asked: &BTreeSet<String>, found: &[Diagnostic]) -> Around
     let misspelt = found.iter().any(|d| d.code == errors::MISSING_MAIN && !d.span.is_empty());
     // What is called a stage and states its version wants to be one.
     let is_piece = !has_main(shader) && !misspelt && (!versioned || unknown_stage);
-    let rewritten = dialect::is_filled_in(shader)
-        || found.iter().any(|d| d.code != errors::INCLUDE && dialect::is_foreign(file, d));
+    let rewritten = shader.holes().iter().any(|hole| hole.whole);
     let joined = rewritten || found.iter().any(|d| d.code == errors::INCLUDE) || dialect::imports(file.text());
     // Geometry stages of GLSL 1.20 are enabled, and have words and qualifiers that no version has.
     let of_old_stages = shader.extensions().iter().any(|e| e.name.ends_with("_geometry_shader4"));
@@ -126,6 +125,11 @@ impl<'a> Surroundings<'a> {
         }
         // Several texts are one stage, and one of them has its `main`.
         if error.code == errors::MISSING_MAIN && error.span.is_empty() {
+            return Around::all();
+        }
+        // What is filled in makes a text that holds.
+        let is_filled_in = || self.shader.holes().iter().any(|hole| hole.span.touches(error.span));
+        if errors::is_of_the_text(error.code) && is_filled_in() {
             return Around::all();
         }
         // An engine calls this `main` from its own.
@@ -418,20 +422,26 @@ const MARKED: usize = 3;
 /// What the texts of a project have in common that is no GLSL.
 pub fn repeated_marks(project: &Project) -> Marks<'_> {
     let mut lines: HashMap<&str, HashSet<&str>> = HashMap::new();
-    for error in project.shaders().flat_map(|s| s.front_end.iter().chain(&s.on_request)) {
-        if let Some(mark) = mark(error) {
-            let line = error.file.position(error.span.start).line;
-            lines.entry(mark).or_default().insert(error.file.line_text(line).trim());
-        }
+    for (error, mark) in project.shaders().flat_map(marked) {
+        let line = error.file.position(error.span.start).line;
+        lines.entry(mark).or_default().insert(error.file.line_text(line).trim());
     }
     Marks(lines.into_iter().filter(|(_, lines)| lines.len() >= MARKED).map(|(mark, _)| mark).collect())
 }
 
 impl Marks<'_> {
     /// True for a text with such a mark: nothing of it says what is wrong in GLSL.
-    pub fn are_in<'d>(&self, mut found: impl Iterator<Item = &'d Diagnostic>) -> bool {
-        !self.0.is_empty() && found.any(|error| mark(error).is_some_and(|mark| self.0.contains(mark)))
+    pub fn are_in(&self, shader: &ShaderFile) -> bool {
+        !self.0.is_empty() && marked(shader).any(|(_, mark)| self.0.contains(mark))
     }
+}
+
+/// Errors of the grammar with the mark that each stands at; what is filled in is known.
+fn marked(shader: &ShaderFile) -> impl Iterator<Item = (&Diagnostic, &str)> {
+    let holes = shader.shader.holes();
+    let found = shader.front_end.iter().chain(&shader.on_request);
+    let found = found.filter(|error| !holes.iter().any(|hole| hole.span.touches(error.span)));
+    found.filter_map(|error| Some((error, mark(error)?)))
 }
 
 /// The mark that an error of the grammar stands at; none at a word, or at what ends or divides something: there something is

@@ -134,6 +134,8 @@ pub(crate) enum Lex {
     HashHash,
     /// One or more characters that start no token.
     Unknown,
+    /// What a template engine replaces; made by `hole`.
+    Hole,
     /// A text in quotes; made by the preprocessor where an extension brings them.
     Quoted,
     /// Behind the last token; made by the parser.

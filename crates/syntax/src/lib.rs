@@ -13,6 +13,7 @@ mod dialect;
 pub mod errors;
 mod fitting;
 mod fold;
+mod hole;
 pub mod include;
 pub mod interface;
 pub mod known;
@@ -51,6 +52,7 @@ pub use builtin::BuiltinFunction;
 pub use constructor::{Constructor, Fit, constructor_needs};
 pub use fitting::fitting;
 pub use fold::Const;
+pub use hole::Hole;
 use interface::Interface;
 pub use names::nearest;
 pub use other_language::{Looks, looks_like, other_language};
@@ -189,6 +191,7 @@ pub struct Shader {
     extensions: Vec<Extension>,
     comments: Vec<Comment>,
     tokens: Vec<Token>,
+    holes: Vec<Hole>,
     unit: Unit,
     arena: Arena,
     types: Vec<Type>,
@@ -237,12 +240,19 @@ impl Shader {
 
     fn read(file: &SourceFile, stage: Stage, defines: &[(String, String)], before: Option<Version>) -> Parsed {
         let mut sink = sink::Sink::new(file);
-        let pieces = lexer::lex(file.text());
-        let preprocess::Preprocessed { tokens, version, mut extensions, raw, incomplete, directives: _ } =
+        let mut pieces = lexer::lex(file.text());
+        pieces.pieces = hole::join(file.text(), pieces.pieces);
+        let preprocess::Preprocessed { tokens, version, mut extensions, raw, incomplete, mut holes, directives: _ } =
             preprocess::run(&pieces, defines, before, &mut sink);
+        // A macro that stands for a hole is one where it is used.
+        sink.holes.extend(tokens.iter().filter(|tok| tok.lex == lexer::Lex::Hole).map(|tok| tok.span));
         extensions.extend(dialect::vulkan(file, &raw, &version));
         let language = language::Language::new(&version, &extensions);
-        let (unit, mut arena) = parser::parse(tokens, &language, &mut sink);
+        let (unit, mut arena, whole) = parser::parse(tokens, &language, &mut sink);
+        holes.extend(whole);
+        let parts =
+            sink.holes.iter().filter(|part| !holes.contains(part)).map(|span| Hole { span: *span, whole: false });
+        let holes: Vec<Hole> = parts.chain(holes.iter().map(|span| Hole { span: *span, whole: true })).collect();
         let check::Checked {
             types,
             values,
@@ -267,6 +277,7 @@ impl Shader {
             extensions,
             comments: pieces.comments,
             tokens: raw,
+            holes,
             unit,
             arena,
             types,
@@ -361,6 +372,11 @@ impl Shader {
     /// leaves out included; no comments.
     pub fn tokens(&self) -> &[Token] {
         &self.tokens
+    }
+
+    /// What a template engine, or another preprocessor, puts something in the place of.
+    pub fn holes(&self) -> &[Hole] {
+        &self.holes
     }
 
     /// The syntax tree.

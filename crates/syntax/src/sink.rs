@@ -9,6 +9,8 @@ use base::text::{Expansion, SourceFile, Span};
 pub(crate) struct Sink {
     pub file: SourceFile,
     list: Vec<Diagnostic>,
+    /// Places whose text is not known: what stands there may be right.
+    pub holes: Vec<Span>,
     /// Macros that are expanded, before the file knows them.
     pub expansions: Vec<Expansion>,
 }
@@ -18,7 +20,7 @@ const MOST: usize = 200;
 
 impl Sink {
     pub(crate) fn new(file: &SourceFile) -> Self {
-        Self { file: file.clone(), list: Vec::new(), expansions: Vec::new() }
+        Self { file: file.clone(), list: Vec::new(), holes: Vec::new(), expansions: Vec::new() }
     }
 
     /// Adds an error with words for the place.
@@ -28,9 +30,20 @@ impl Sink {
     }
 
     pub(crate) fn push(&mut self, diagnostic: Diagnostic) {
-        if self.list.len() < MOST {
+        let unknown = || self.holes.iter().any(|hole| hole.touches(diagnostic.span));
+        if self.list.len() < MOST && (diagnostic.code == errors::TOKEN || !unknown()) {
             self.list.push(diagnostic);
         }
+    }
+
+    /// How many are told.
+    pub(crate) fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// Takes back all but the first ones.
+    pub(crate) fn truncate(&mut self, len: usize) {
+        self.list.truncate(len);
     }
 
     /// Ends the reading of macros: the file knows where they are expanded from here on.

@@ -268,16 +268,7 @@ impl ShaderFile {
                 let slip = open::is_slip(d);
                 slip || (!of_another(d) && !open::rests(d).intersects(open))
             };
-            let (mut sure, mut asked): (Vec<_>, Vec<_>) = shader.front_end.into_iter().partition(sure);
-            // What is not read may be what is returned.
-            let items = &shader.shader.unit().items;
-            let unread = |d: &Diagnostic| {
-                let item = items.iter().find(|i| i.span.contains(d.span.start));
-                item.is_some_and(|item| asked.iter().any(|a| item.span.contains(a.span.start)))
-            };
-            let (open, known) = sure.into_iter().partition(|d| d.code == errors::RETURN_TYPE && unread(d));
-            sure = known;
-            asked.extend::<Vec<Diagnostic>>(open);
+            let (sure, asked): (Vec<_>, Vec<_>) = shader.front_end.into_iter().partition(sure);
             (shader.front_end, shader.on_request) = (sure, asked);
         }
         shader.origin = Some(Origin { host: input.file.clone(), literal });

@@ -379,9 +379,9 @@ impl<'a> Checker<'a> {
         all
     }
 
-    /// Remembers a name that nothing declares.
+    /// Remembers a name that nothing declares; what stands for a name is none.
     fn lack(&mut self, name: &str, what: Lacks) {
-        if !self.out.lacking.iter().any(|(known, _)| known == name) {
+        if crate::words::identifier(name) == name && !self.out.lacking.iter().any(|(known, _)| known == name) {
             self.out.lacking.push((name.to_owned(), what));
         }
     }

@@ -133,7 +133,9 @@ impl Checker<'_> {
 
     fn statement(&mut self, statement: &Stmt) {
         match &statement.kind {
-            StmtKind::Empty | StmtKind::Error => {}
+            StmtKind::Empty => {}
+            // It may be a `return`.
+            StmtKind::Error => self.returned = true,
             StmtKind::Precision(precision) => self.precision_statement(precision),
             StmtKind::Default => self.label(None, statement.span),
             StmtKind::Break if !self.around.in_loop && self.around.switch.is_none() => {

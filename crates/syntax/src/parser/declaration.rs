@@ -14,11 +14,11 @@ impl Parser<'_> {
         let mut items = Vec::new();
         while !self.at_end() {
             let start = self.span();
-            let from = self.at;
+            let (from, told) = (self.at, self.sink.len());
             let kind = match self.item() {
                 Ok(kind) => kind,
                 Err(Message) => {
-                    self.recover(from);
+                    self.skip(from, told);
                     if self.peek() == Lex::RBrace && self.at == from {
                         self.advance();
                     }
@@ -32,6 +32,9 @@ impl Parser<'_> {
     }
 
     fn item(&mut self) -> Read<ItemKind> {
+        if self.hole() {
+            return Ok(ItemKind::Error);
+        }
         match self.peek() {
             Lex::Semicolon => {
                 self.advance();
@@ -79,11 +82,11 @@ impl Parser<'_> {
         } else if self.is_name(0) && self.peek_at(1) == Lex::LParen {
             let name = self.word().to_owned();
             return self.expected(&format!("a return type before `{name}`"));
-        } else if self.is_name(0) && !matches!(self.peek_at(1), Lex::Word | Lex::LBracket) {
+        } else if self.is_name(0) && !matches!(self.peek_at(1), Lex::Word | Lex::Hole | Lex::LBracket) {
             return self.expected("a declaration");
         }
         let ty = self.type_specifier()?;
-        if self.peek_at(1) == Lex::LParen && self.peek() == Lex::Word {
+        if self.peek_at(1) == Lex::LParen && self.tok(0).is_word() {
             return Ok(ItemKind::Function(self.function(start, qualifiers, ty)?));
         }
         Ok(ItemKind::Declaration(self.declarators(start, qualifiers, ty)?))

@@ -96,6 +96,16 @@ impl Parser<'_> {
 
     fn binary(&mut self, least: u8) -> Read<ExprId> {
         let mut left = self.unary()?;
+        // An operator that is filled in, with what follows it.
+        while self.peek() == Lex::Hole && !self.tok(0).first {
+            let (name, from_macro) = (self.word().to_owned(), self.tok(0).from_macro);
+            self.advance();
+            if matches!(self.peek(), Lex::Word | Lex::Number | Lex::LParen | Lex::Minus) && !self.tok(0).first {
+                self.unary()?;
+            }
+            let span = self.since(self.span_of(left));
+            left = self.add(ExprKind::Name(name), span, from_macro)?;
+        }
         while let Some((op, level)) = infix(self.peek()).filter(|(_, level)| *level >= least) {
             let from_macro = self.tok(0).from_macro;
             let op_span = self.advance();
@@ -154,7 +164,7 @@ impl Parser<'_> {
                 }
                 Lex::Dot => {
                     start = start.to(self.advance());
-                    let name = if self.peek() == Lex::Word {
+                    let name = if self.tok(0).is_word() {
                         let name = self.word().to_owned();
                         Ident { name, span: self.advance() }
                     } else {
@@ -273,7 +283,7 @@ impl Parser<'_> {
                 let span = self.since(start);
                 self.add(ExprKind::Call { callee: Callee::Type(ty), args }, span, from_macro)
             }
-            Lex::Word if self.is_name(0) => {
+            Lex::Word | Lex::Hole if self.is_name(0) => {
                 let name = self.word().to_owned();
                 self.advance();
                 if self.peek() == Lex::LParen {

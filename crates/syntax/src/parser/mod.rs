@@ -15,6 +15,7 @@ use super::preprocess::Tok;
 use super::sink::Sink;
 use base::diagnostic::{Safety, message};
 use base::text::{Edit, SourceFile, Span};
+pub(crate) use statement::HINTS;
 use words::Words;
 pub(crate) use words::suggestions;
 
@@ -43,9 +44,11 @@ pub(crate) struct Parser<'a> {
     skipped: bool,
     /// Prototypes in the function at hand.
     prototypes: Vec<super::ast::Item>,
+    /// Holes that stand for declarations and statements.
+    holes: Vec<Span>,
 }
 
-pub(crate) fn parse(tokens: Vec<Tok>, language: &Language, sink: &mut Sink) -> (Unit, Arena) {
+pub(crate) fn parse(tokens: Vec<Tok>, language: &Language, sink: &mut Sink) -> (Unit, Arena, Vec<Span>) {
     let file = sink.file.clone();
     let end = Tok::end(tokens.last().map_or(file.text().len(), |t| t.span.end));
     let words = Words::new(language);
@@ -60,9 +63,10 @@ pub(crate) fn parse(tokens: Vec<Tok>, language: &Language, sink: &mut Sink) -> (
         arena: Arena::default(),
         skipped: false,
         prototypes: Vec::new(),
+        holes: Vec::new(),
     };
     let unit = parser.unit();
-    (unit, parser.arena)
+    (unit, parser.arena, parser.holes)
 }
 
 impl Parser<'_> {
@@ -78,10 +82,10 @@ impl Parser<'_> {
         self.tok(ahead).lex
     }
 
-    /// Text of the token when it is a word, else empty.
+    /// Text of the token when it is a word, or stands for one, else empty.
     fn word_at(&self, ahead: usize) -> &str {
         let tok = self.tok(ahead);
-        if tok.lex == Lex::Word { tok.text(&self.file) } else { "" }
+        if tok.is_word() { tok.text(&self.file) } else { "" }
     }
 
     fn word(&self) -> &str {
@@ -126,9 +130,39 @@ impl Parser<'_> {
         if self.at_end() { "the end of the file".to_owned() } else { format!("`{}`", self.tok(0).text(&self.file)) }
     }
 
+    /// True where what stands here, or right before, is not known.
+    fn is_unknown(&self) -> bool {
+        let before = self.at.checked_sub(1).map(|i| self.tokens[i].lex);
+        matches!(self.peek(), Lex::Unknown | Lex::Hole) || before == Some(Lex::Hole)
+    }
+
+    /// A hole that stands for whole declarations or statements.
+    fn hole(&mut self) -> bool {
+        if self.peek() != Lex::Hole {
+            return false;
+        }
+        let ends = self.tok(1).first || matches!(self.peek_at(1), Lex::Semicolon | Lex::RBrace | Lex::End);
+        let whole = ends || super::hole::is_control(self.word());
+        if whole {
+            self.holes.push(self.span());
+            self.advance();
+            self.eat(Lex::Semicolon);
+        }
+        whole
+    }
+
+    /// Skips what cannot be read. What has a hole in it is a hole, and nothing in it is told.
+    fn skip(&mut self, from: usize, told: usize) {
+        self.recover(from);
+        if let Some(hole) = self.tokens[from..self.at].iter().find(|tok| tok.lex == Lex::Hole) {
+            self.holes.push(hole.span);
+            self.sink.truncate(told);
+        }
+    }
+
     /// Tells that `what` is expected here; a token that is none has been told already.
     fn expected<T>(&mut self, what: &str) -> Read<T> {
-        if self.peek() == Lex::Unknown {
+        if self.is_unknown() {
             return Err(Message);
         }
         let shown = self.shown();
@@ -158,7 +192,7 @@ impl Parser<'_> {
         if let Some(span) = self.eat(lex) {
             return Ok(span);
         }
-        if self.peek() == Lex::Unknown {
+        if self.is_unknown() {
             return Err(Message);
         }
         let shown = self.shown();
@@ -199,7 +233,7 @@ impl Parser<'_> {
     }
 
     fn is_name(&self, ahead: usize) -> bool {
-        self.peek_at(ahead) == Lex::Word && !self.words.keyword(self.word_at(ahead))
+        self.tok(ahead).is_word() && !self.words.keyword(self.word_at(ahead))
     }
 
     /// A name that is no keyword.

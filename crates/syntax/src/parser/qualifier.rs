@@ -14,7 +14,7 @@ impl Parser<'_> {
         let mut list = Vec::new();
         loop {
             // What it says of a variable is not known, and the variable is read without it.
-            if self.foreign_qualifier() {
+            if self.foreign_qualifier() || self.filled_in() {
                 self.advance();
                 continue;
             }
@@ -72,6 +72,12 @@ impl Parser<'_> {
         self.words.qualifier(next) || self.words.built_in_type(next) || self.peek_at(2) == Lex::Word
     }
 
+    /// True for a hole before a qualifier or a type.
+    fn filled_in(&self) -> bool {
+        let next = self.word_at(1);
+        self.peek() == Lex::Hole && (self.words.qualifier(next) || self.words.built_in_type(next))
+    }
+
     /// Tells a qualifier of a later version that stands where one can only be meant, and takes it as one.
     fn late_qualifier(&mut self) -> bool {
         let word = self.word().to_owned();
@@ -95,7 +101,7 @@ impl Parser<'_> {
         let mut entries = Vec::new();
         while self.peek() != Lex::RParen {
             // `shared` is a keyword, but a key here.
-            if self.peek() != Lex::Word {
+            if !self.tok(0).is_word() {
                 return self.expected("a layout key such as `location`");
             }
             let name = self.word().to_owned();
@@ -167,10 +173,13 @@ impl Parser<'_> {
                 self.sink.error(errors::SYNTAX, open, "this `{` is never closed", "opened here");
                 return Err(Message);
             }
-            let from = self.at;
+            let (from, told) = (self.at, self.sink.len());
+            if self.hole() {
+                continue;
+            }
             match self.declaration() {
                 Ok(member) => members.push(member),
-                Err(Message) => self.recover(from),
+                Err(Message) => self.skip(from, told),
             }
         }
         self.advance();

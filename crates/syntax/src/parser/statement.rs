@@ -8,15 +8,19 @@ use super::{Message, Parser, Read};
 use base::diagnostic::message;
 use base::text::Span;
 
+/// Hints for a compiler, which change no result.
+pub(crate) const HINTS: [&str; 8] =
+    ["unroll", "dont_unroll", "loop", "dont_loop", "branch", "flatten", "dont_flatten", "dependency_infinite"];
+
 impl Parser<'_> {
     /// A statement; one that cannot be read is skipped and becomes an error node.
     pub(super) fn statement(&mut self) -> Stmt {
         let start = self.span();
-        let from = self.at;
+        let (from, told) = (self.at, self.sink.len());
         match self.deeper(Self::statement_kind) {
             Ok(kind) => Stmt { kind, span: self.since(start) },
             Err(Message) => {
-                self.recover(from);
+                self.skip(from, told);
                 Stmt { kind: StmtKind::Error, span: self.since(start) }
             }
         }
@@ -25,8 +29,6 @@ impl Parser<'_> {
     /// Passes over `[[unroll]]` and the like: hints for a compiler, which change no result.
     /// (GL_EXT_control_flow_attributes)
     fn hints(&mut self) -> Read<()> {
-        const HINTS: [&str; 8] =
-            ["unroll", "dont_unroll", "loop", "dont_loop", "branch", "flatten", "dont_flatten", "dependency_infinite"];
         const SINCE: Since = (NEVER, NEVER, &["EXT_control_flow_attributes"]);
         while (self.peek(), self.peek_at(1)) == (Lex::LBracket, Lex::LBracket) {
             if !self.words.language().since(SINCE) {
@@ -59,6 +61,9 @@ impl Parser<'_> {
     }
 
     fn statement_kind(&mut self) -> Read<StmtKind> {
+        if self.hole() {
+            return Ok(StmtKind::Error);
+        }
         if self.hints().is_err() {
             // What they stand before can be read.
             while self.eat(Lex::RBracket).is_some() {}
@@ -198,7 +203,7 @@ impl Parser<'_> {
                 Lex::RBracket if open > 0 => open -= 1,
                 Lex::Semicolon | Lex::LBrace | Lex::RBrace | Lex::End => return false,
                 // `float;` and `float = 1;` are declarations without a name; but a lone name is an expression.
-                lex if open == 0 => return lex == Lex::Word,
+                lex if open == 0 => return matches!(lex, Lex::Word | Lex::Hole),
                 _ => {}
             }
             ahead += 1;

@@ -94,6 +94,10 @@ impl Preprocessor<'_> {
         if self.plain.is_some() && !self.plain_condition(&mut tokens) {
             return false;
         }
+        if tokens.iter().any(|tok| tok.lex == Lex::Hole) {
+            self.holes.push(span);
+            return false;
+        }
         match condition::evaluate(&tokens, &self.sink.file, span) {
             Ok(value) => value,
             Err(error) => self.condition_failed(error.span, &error.message),

@@ -38,6 +38,25 @@ impl Preprocessor<'_> {
         Some((Piece { lex: Lex::Quoted, span: begin.span.to(end), ..begin }, behind))
     }
 
+    /// Tells of the first hole, and keeps those of directives, which decide over what is read.
+    pub(super) fn holes_of(&mut self, line: &[Piece], directive: bool) {
+        let Some(hole) = line.iter().find(|p| p.lex == Lex::Hole).filter(|_| self.active()) else { return };
+        if self.sink.holes.is_empty() {
+            let shown: String = self.sink.file.slice(hole.span).chars().take(24).collect();
+            let d =
+                self.sink.start(errors::TOKEN, hole.span, format!("`{}` is not part of GLSL", shown.escape_debug()));
+            self.sink.push(
+                d.with_label("not part of the language")
+                    .with_why("a template engine, or another preprocessor, puts something in its place"),
+            );
+        }
+        self.sink.holes.extend(line.iter().filter(|p| p.lex == Lex::Hole).map(|p| p.span));
+        let body = line.get(1).is_some_and(|p| self.sink.file.slice(p.span) == "define") && line.get(2) != Some(hole);
+        if directive && !body {
+            self.holes.push(hole.span);
+        }
+    }
+
     /// Tells of characters that are no part of the language.
     pub(super) fn unknown(&mut self, span: Span) {
         let text = self.sink.file.slice(span).to_owned();

@@ -60,6 +60,11 @@ impl Tok {
         Self::new(&Piece { lex: Lex::End, span: Span::at(offset), first: true, spaced: true })
     }
 
+    /// True for a word, and for what stands for one.
+    pub(crate) fn is_word(&self) -> bool {
+        matches!(self.lex, Lex::Word | Lex::Hole)
+    }
+
     pub(crate) fn text<'a>(&'a self, file: &'a SourceFile) -> &'a str {
         match &self.spelling {
             Spelling::Source(span) => file.slice(*span),

@@ -25,6 +25,8 @@ pub(crate) struct Preprocessed {
     pub raw: Vec<Token>,
     /// An `#include` was met: names may be declared in text that is not here.
     pub incomplete: bool,
+    /// Directives of which another tool makes something.
+    pub holes: Vec<Span>,
     /// What a text that is not GLSL has besides.
     pub directives: Vec<plain::Foreign>,
 }
@@ -45,6 +47,8 @@ struct Preprocessor<'a> {
     begun: bool,
     /// Characters outside of the language in bodies of macros, with their names.
     foreign: Vec<(String, Span)>,
+    /// Directives of another tool, or with a hole.
+    holes: Vec<Span>,
     /// Set where the text is not GLSL.
     plain: Option<plain::State>,
 }
@@ -82,6 +86,7 @@ impl<'a> Preprocessor<'a> {
             line_shift: 0,
             begun: false,
             foreign: Vec::new(),
+            holes: Vec::new(),
             plain: None,
         }
     }
@@ -101,6 +106,7 @@ impl<'a> Preprocessor<'a> {
             at += len;
             let active = this.active();
             let directive = line[0].lex == Lex::Hash && !this.is_substitution(line);
+            this.holes_of(line, directive);
             let place = if directive {
                 this.directive(line);
                 // The directives of the outermost #if are no part of what it leaves out.
@@ -117,7 +123,8 @@ impl<'a> Preprocessor<'a> {
             } else {
                 TokenPlace::Inactive
             };
-            this.begun = true;
+            // What is filled in may be nothing.
+            this.begun |= line.iter().any(|p| p.lex != Lex::Hole);
             raw.extend(line.iter().map(|p| Token { kind: kind(p.lex), span: p.span, place }));
         }
         this.flush();
@@ -136,9 +143,9 @@ impl<'a> Preprocessor<'a> {
             this.sink.push(diagnostic);
         }
         this.sink.expanded();
-        let Preprocessor { out: tokens, version, extensions, incomplete, plain, .. } = self;
+        let Preprocessor { out: tokens, version, extensions, incomplete, holes, plain, .. } = self;
         let directives = plain.map(|state| state.directives).unwrap_or_default();
-        Preprocessed { tokens, version, extensions, raw, incomplete, directives }
+        Preprocessed { tokens, version, extensions, raw, incomplete, holes, directives }
     }
 
     fn open_comment(&mut self, pieces: &Pieces) {
@@ -158,7 +165,7 @@ fn kind(lex: Lex) -> TokenKind {
     match lex {
         Lex::Word => TokenKind::Word,
         Lex::Number => TokenKind::Number,
-        Lex::Unknown => TokenKind::Unknown,
+        Lex::Unknown | Lex::Hole => TokenKind::Unknown,
         _ => TokenKind::Punctuation,
     }
 }
@@ -333,7 +340,10 @@ impl Preprocessor<'_> {
             d.label = "unknown directive".into();
             match super::names::nearest(word, all) {
                 Some(near) => d.with_help(format!("did you mean `#{near}`?")),
-                None => d,
+                None => {
+                    self.holes.push(name.span);
+                    d
+                }
             }
         };
         self.sink.push(diagnostic);

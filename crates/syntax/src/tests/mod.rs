@@ -2,6 +2,7 @@
 
 mod diagnostics;
 mod grammar;
+mod holes;
 mod interface;
 mod layouts;
 mod mutation;

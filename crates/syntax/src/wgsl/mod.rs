@@ -193,6 +193,7 @@ pub(super) fn read(file: &SourceFile) -> super::Parsed {
         extensions: Vec::new(),
         comments: pieces.comments,
         tokens: pieces.all,
+        holes: Vec::new(),
         unit,
         arena,
         types,
