@@ -59,6 +59,11 @@ pub(crate) fn is_control(hole: &str) -> bool {
     ["{%", "{#", "{{#", "{{/", "{{^", "{{>", "{{else"].iter().any(|mark| hole.starts_with(mark))
 }
 
+/// True for a name that is none: a hole stands for it.
+pub(crate) fn stands_for(name: &str) -> bool {
+    super::words::identifier(name) != name
+}
+
 /// Pieces that a hole has at most, unless it goes on to the end of its line.
 const LONGEST: usize = 256;
 

@@ -58,6 +58,7 @@ pub use names::nearest;
 pub use other_language::{Looks, looks_like, other_language};
 pub use preprocess::plain;
 pub use stage::Stage;
+use std::collections::BTreeSet;
 use symbols::{CallTarget, FunctionId, FunctionInfo, Symbol, SymbolId, Use};
 use types::Type;
 
@@ -245,14 +246,17 @@ impl Shader {
         let preprocess::Preprocessed { tokens, version, mut extensions, raw, incomplete, mut holes, directives: _ } =
             preprocess::run(&pieces, defines, before, &mut sink);
         // A macro that stands for a hole is one where it is used.
-        sink.holes.extend(tokens.iter().filter(|tok| tok.lex == lexer::Lex::Hole).map(|tok| tok.span));
+        sink.fill_in(tokens.iter().filter(|tok| tok.lex == lexer::Lex::Hole).map(|tok| tok.span));
         extensions.extend(dialect::vulkan(file, &raw, &version));
         let language = language::Language::new(&version, &extensions);
         let (unit, mut arena, whole) = parser::parse(tokens, &language, &mut sink);
         holes.extend(whole);
-        let parts =
-            sink.holes.iter().filter(|part| !holes.contains(part)).map(|span| Hole { span: *span, whole: false });
-        let holes: Vec<Hole> = parts.chain(holes.iter().map(|span| Hole { span: *span, whole: true })).collect();
+        let whole: BTreeSet<Span> = holes.into_iter().collect();
+        let mut holes: Vec<Hole> =
+            sink.holes.iter().map(|span| Hole { span: *span, whole: whole.contains(span) }).collect();
+        // Directives of another tool, and what stands in a macro, are none of these.
+        let others = whole.iter().filter(|span| sink.holes.binary_search(span).is_err());
+        holes.extend(others.map(|span| Hole { span: *span, whole: true }));
         let check::Checked {
             types,
             values,

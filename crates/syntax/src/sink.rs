@@ -9,7 +9,7 @@ use base::text::{Expansion, SourceFile, Span};
 pub(crate) struct Sink {
     pub file: SourceFile,
     list: Vec<Diagnostic>,
-    /// Places whose text is not known: what stands there may be right.
+    /// Places whose text is not known, in order and apart: what stands there may be right.
     pub holes: Vec<Span>,
     /// Macros that are expanded, before the file knows them.
     pub expansions: Vec<Expansion>,
@@ -30,10 +30,24 @@ impl Sink {
     }
 
     pub(crate) fn push(&mut self, diagnostic: Diagnostic) {
-        let unknown = || self.holes.iter().any(|hole| hole.touches(diagnostic.span));
+        let unknown = || {
+            let before = self.holes.partition_point(|hole| hole.start <= diagnostic.span.end);
+            self.holes[..before].iter().rev().take(2).any(|hole| hole.touches(diagnostic.span))
+        };
         if self.list.len() < MOST && (diagnostic.code == errors::TOKEN || !unknown()) {
             self.list.push(diagnostic);
         }
+    }
+
+    /// Adds places whose text is not known.
+    pub(crate) fn fill_in(&mut self, more: impl Iterator<Item = Span>) {
+        self.holes.extend(more);
+        self.holes.sort_unstable();
+        self.holes.dedup_by(|next, last| {
+            let one = next.touches(*last);
+            *last = if one { last.to(*next) } else { *last };
+            one
+        });
     }
 
     /// How many are told.

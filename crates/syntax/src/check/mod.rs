@@ -381,14 +381,15 @@ impl<'a> Checker<'a> {
 
     /// Remembers a name that nothing declares; what stands for a name is none.
     fn lack(&mut self, name: &str, what: Lacks) {
-        if crate::words::identifier(name) == name && !self.out.lacking.iter().any(|(known, _)| known == name) {
+        let known = crate::hole::stands_for(name) || self.out.lacking.iter().any(|(known, _)| known == name);
+        if !known {
             self.out.lacking.push((name.to_owned(), what));
         }
     }
 
     fn unknown_name(&mut self, name: &str, span: Span) {
         self.lack(name, Lacks::Value);
-        if !self.first_time(name) || self.may_be_of_an_extension(name) {
+        if !self.first_time(name) || crate::hole::stands_for(name) || self.may_be_of_an_extension(name) {
             return;
         }
         let near = nearest(name, self.known_variables()).map(str::to_owned);
