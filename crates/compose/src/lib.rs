@@ -67,6 +67,8 @@ pub struct Options {
     /// Lets names stand in for placeholders without a value, and reads the first branch of each condition of a template:
     /// for readers that look for faults in a text that nobody runs.
     pub stand_ins: bool,
+    /// Assumes no declaration for a name that nothing declares: for readers that tell such names.
+    pub assume_nothing: bool,
     /// Leaves placeholders without a value empty where they have a line for themselves, as those of more members and of
     /// padding are. [`compose`] tries it by itself.
     pub empty_lines: bool,
@@ -144,6 +146,8 @@ pub struct Undeclared {
     pub candidates: Vec<String>,
     /// The condition under which it would be declared, as it is written.
     pub condition: Option<String>,
+    /// True where a file is imported as a whole that is not there, which may declare it.
+    pub beyond: bool,
 }
 
 impl Composed {
@@ -184,6 +188,10 @@ impl Composed {
                     let files = files.join(", ");
                     new.with_why(message!("{files} declare it differently", "{files} の宣言が異なります"))
                 }
+                (None, []) if lacking.beyond => new.with_why(message!(
+                    "a module that is imported as a whole, and is not found, may declare it",
+                    "全体がインポートされ、見つからないモジュールが宣言しているかもしれません"
+                )),
                 (None, []) => match syntax::nearest(name, known.iter().copied()) {
                     Some(near) => new.with_help(message!("did you mean `{near}`?", "`{near}` のことですか")),
                     None => new,
@@ -233,6 +241,7 @@ pub fn compose(root: &SourceFile, options: &Options, library: &mut dyn Library) 
         }
     }
     if !options.stand_ins
+        && !options.assume_nothing
         && problems.found.is_empty()
         && let Some((more, notes)) = template::declared(root, &composed)
     {
@@ -242,6 +251,15 @@ pub fn compose(root: &SourceFile, options: &Options, library: &mut dyn Library) 
         }
     }
     if problems.found.is_empty() { Ok(composed) } else { Err(problems.found) }
+}
+
+/// What [`Composed::unknown_names`] gives, also where modules that are imported are not there: what an import names is
+/// declared by it. Nothing where more is wrong with the files.
+pub fn unknown_names(root: &SourceFile, options: &Options, library: &mut dyn Library) -> Vec<Diagnostic> {
+    let mut problems = Problems::default();
+    let composed = link::link(root, options, library, &mut problems);
+    let of_imports = problems.found.iter().all(|problem| problem.code == errors::IMPORT);
+    if of_imports { composed.unknown_names() } else { Vec::new() }
 }
 
 /// True for a placeholder that has no value.

@@ -341,14 +341,25 @@ impl Linker<'_> {
         }
         self.lacking.entry(item).or_insert_with(|| name.clone());
         if !self.undeclared.iter().any(|(_, _, u)| u.name == name) {
+            let (called, beyond) = (used.called, self.lacks_a_whole_file(item.0));
             let files = candidates.iter().map(|at| self.linked.modules[at.0].author.name().to_owned());
             let left_out = self.linked.modules.iter().flat_map(|module| &module.left_out);
             let condition = left_out.into_iter().find(|(n, _)| *n == name).map(|(_, condition)| condition.clone());
-            let called = used.called;
-            let undeclared = Undeclared { name, span: Span::default(), called, candidates: files.collect(), condition };
+            let undeclared =
+                Undeclared { name, span: Span::default(), called, candidates: files.collect(), condition, beyond };
             self.undeclared.push((item, used.clone(), undeclared));
         }
         None
+    }
+
+    /// True where a directive imports a module that is not there, and the text does not use its last name: what it declares
+    /// is used without it.
+    fn lacks_a_whole_file(&mut self, at: usize) -> bool {
+        let module = &self.linked.modules[at];
+        let used = |name: &str| module.declarations.iter().flat_map(|d| &d.uses).any(|u| u.names[0] == name);
+        let whole = module.imports.iter().filter(|p| p.directive && !used(&p.import.name));
+        let paths: Vec<ModulePath> = whole.map(|p| p.import.path.clone()).collect();
+        paths.iter().any(|path| matches!(self.find(at, path), Found::Nothing | Found::NoItem(..)))
     }
 
     fn was_guessed(&self, module: usize) -> bool {

@@ -72,6 +72,13 @@ impl Modules {
         }
     }
 
+    /// One error for each name that nothing declares, also where modules that are imported are not there.
+    pub fn unknown_names(&mut self, file: &SourceFile, options: &Options) -> Vec<Diagnostic> {
+        self.left = MOST_BYTES;
+        let found = compose::unknown_names(file, options, self);
+        if self.failed.take().is_some() { Vec::new() } else { found }
+    }
+
     /// A file as text; none where there is none, or it cannot be read, which is kept.
     fn read(&mut self, path: &Path) -> Option<SourceFile> {
         let fail = |why: String| (path.shown(), why);

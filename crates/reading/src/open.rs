@@ -325,10 +325,10 @@ fn is_old(shader: &Shader) -> bool {
     shader.tokens().iter().any(is)
 }
 
-/// True where other texts may declare the name that a module in WGSL lacks: the module is a piece, is put together or filled
-/// in, or another text was found to declare it.
+/// True where other texts may declare the name that a module in WGSL lacks: the module is a piece, or filled in, or another
+/// text was found to declare it. What it imports is there: without it, nothing is known to be lacking.
 pub fn declares_elsewhere(shader: &Shader, error: &Diagnostic) -> bool {
-    let is_whole = |m: &Module| !m.entry_points.is_empty() && !(m.composed || m.varies || m.filled);
+    let is_whole = |m: &Module| !m.entry_points.is_empty() && !m.varies && !m.filled;
     error.why.is_some() || !shader.wgsl().is_some_and(is_whole)
 }
 

@@ -19,7 +19,7 @@ const LONGEST: usize = 1 << 18;
 /// What joins texts with the files that they import or include, which are looked for in these folders as well. Where a module
 /// of WGSL is missing, its text is linted as it is.
 pub fn composer(folders: &[PathBuf]) -> Composer {
-    let modules = Mutex::new(Modules::new(folders.to_vec()));
+    let modules = Mutex::new(Modules::new(folders.to_vec()).with_files_below());
     let folders = folders.to_vec();
     Composer::new(move |file| {
         if language_of(file.name()) != Some(Language::Wgsl) {
@@ -32,12 +32,13 @@ pub fn composer(folders: &[PathBuf]) -> Composer {
         // Names that are missing whatever is switched on.
         let mut missing: Option<Vec<Diagnostic>> = None;
         let mut whole = |defines| {
-            let options = Options { defines, ..Options::default() };
-            let composed = modules.lock().unwrap_or_else(PoisonError::into_inner).compose(file, &options).ok()?;
-            if composed.undeclared.is_empty() {
-                return Some((composed.file, composed.notes));
-            }
-            let mut lacks = composed.unknown_names();
+            let options = Options { defines, assume_nothing: true, ..Options::default() };
+            let mut modules = modules.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut lacks = match modules.compose(file, &options) {
+                Ok(composed) if composed.undeclared.is_empty() => return Some((composed.file, composed.notes)),
+                Ok(composed) => composed.unknown_names(),
+                Err(_) => modules.unknown_names(file, &options),
+            };
             lacks.retain(|d| d.file.name() == file.name());
             if let Some(before) = &missing {
                 lacks.retain(|d| before.iter().any(|b| b.span == d.span));
@@ -55,7 +56,7 @@ pub fn composer(folders: &[PathBuf]) -> Composer {
                 return Some(Composed { file: current, refused: vec![draft(note)] });
             }
             let level = if conditions { Level::Strict } else { Level::Default };
-            let refused = missing?.into_iter().map(|error| (level, error)).collect();
+            let refused = missing.filter(|lacks| !lacks.is_empty())?.into_iter().map(|error| (level, error)).collect();
             return Some(Composed { file: file.clone(), refused });
         };
         let own = notes.into_iter().filter(|note| note.code == EARLY_DRAFT && note.file.name() == file.name());
