@@ -3,7 +3,7 @@
 use base::text::SourceFile;
 use reading::prelude::Wanted;
 
-use crate::{Config, Input, Settings, run, run_with};
+use crate::{Config, Input, Level, Selection, Settings, run, run_with};
 
 fn reported(name: &str, text: &str) -> Vec<String> {
     let found = run(&[Input::new(SourceFile::new(name, text))]);
@@ -60,4 +60,24 @@ fn a_prelude_is_asked_for_and_refused_by_name() {
     assert_eq!(with(Wanted::Nothing), [""; 0]);
     assert_eq!(with(Wanted::Recognised), [""; 0]);
     assert!(Wanted::named("shadertoi").is_none());
+}
+
+#[test]
+fn inputs_in_the_json_of_a_text_are_declared() {
+    let text = |name: &str| {
+        format!(
+            "/*{{ \"INPUTS\": [ {{ \"NAME\": \"inputImage\", \"TYPE\": \"image\" }},\n  {{ \"NAME\": \"amount\", \"TYPE\": \"float\", \"MIN\": 0, \"MAX\": 1 }} ] }}*/\n\
+             void main() {{\n  gl_FragColor = {name} * IMG_THIS_PIXEL(inputImage);\n}}\n"
+        )
+    };
+    let strict = |text: &str| {
+        let selection = Selection::default().at(Level::Strict);
+        let found =
+            run_with(&[Input::new(SourceFile::new("a.fs", text))], &Settings { selection, ..Settings::default() });
+        found.iter().map(|d| format!("{} {}", d.code, d.file.locate(d.span.start))).collect::<Vec<_>>()
+    };
+    assert_eq!(strict(&text("amount")), [""; 0]);
+    assert_eq!(reported("a.fs", &text("amuont")), ["E020 a.fs:4:18"]);
+    assert_eq!(strict(&text("gain")), ["E020 a.fs:4:18"]);
+    assert_eq!(reported("a.fs", &text("vec3(amount)")), ["E031 a.fs:4:31"]);
 }

@@ -3,6 +3,7 @@
 //! A file begins with lines of `//!`: a title, and what tells that a text is written for this host. Then come parts
 //! behind lines such as `--- vertex`: GLSL for a stage, for `both`, or for what stands `behind` the text.
 
+mod isf;
 #[cfg(test)]
 mod tests;
 
@@ -82,6 +83,8 @@ pub struct Between {
     pub front: Span,
     /// What stands behind.
     pub behind: Span,
+    /// True where the text itself says what its host declares: nothing else is.
+    pub whole: bool,
 }
 
 /// The prelude of a text.
@@ -94,7 +97,7 @@ pub fn recognised(text: &str, wanted: Wanted) -> Option<&'static Prelude> {
             let mut may = PRELUDES.iter().filter(told).filter(|p| p.may_fit(text)).peekable();
             may.peek()?;
             let code = marks::without_comments(text);
-            may.find(|p| p.fits(&code))
+            may.find(|p| p.declarations(text).is_some() || p.fits(&code))
         }
     }
 }
@@ -106,6 +109,17 @@ pub fn around(text: &Literal, stage: Stage, wanted: Wanted) -> Option<Between> {
     let stage = if prelude.is_of_fragments() && stage == Stage::Library { Stage::Fragment } else { stage };
     let version = version_line(&text.text);
     let mut front = prelude.part("both", stage, &code);
+    let declared = prelude.declarations(&text.text);
+    let whole = declared.is_some();
+    // What functions declare is their own.
+    let again = |line: &&String| {
+        let declaration = line.split(';').next().unwrap_or(line);
+        code.split([';', '\n']).any(|statement| statement.split_whitespace().eq(declaration.split_whitespace()))
+    };
+    for line in declared.iter().flatten().filter(|line| !again(line)) {
+        front.push_str(line);
+        front.push('\n');
+    }
     front.push_str(&prelude.part(stage.name(), stage, &code));
     let behind = prelude.part(&format!("behind {}", stage.name()), stage, &code);
     if version.is_some() {
@@ -119,7 +133,7 @@ pub fn around(text: &Literal, stage: Stage, wanted: Wanted) -> Option<Between> {
     let literal = text.with_text_at(at, &front, &format!("\n{behind}"));
     let end = literal.text.len();
     let behind = Span::new(end - behind.len(), end);
-    Some(Between { front: Span::new(at, at + front.len()), behind, literal, prelude })
+    Some(Between { front: Span::new(at, at + front.len()), behind, literal, prelude, whole })
 }
 
 /// A file with what its host puts around it, for commands that run it; itself where nothing does.
@@ -160,9 +174,14 @@ impl Prelude {
         self.data.lines().filter_map(|l| l.strip_prefix("--- ")).all(|part| part.ends_with("fragment"))
     }
 
+    /// What a text says in front of itself that this host declares; none where it says nothing of the kind.
+    fn declarations(&self, text: &str) -> Option<Vec<String>> {
+        (self.header("inputs") == Some("isf")).then(|| isf::declarations(text))?
+    }
+
     /// False for a text that says none of the words that tell this host.
     fn may_fit(&self, text: &str) -> bool {
-        let words = ["hook", "defines", "uses", "says"].into_iter().filter_map(|key| self.header(key));
+        let words = ["hook", "defines", "uses", "says", "states"].into_iter().filter_map(|key| self.header(key));
         words.flat_map(str::split_whitespace).any(|word| text.contains(word))
     }
 

@@ -238,7 +238,7 @@ impl ShaderFile {
 
     /// A shader between the texts of its host.
     fn between(input: &Input, stage: Stage, wanted: Wanted, between: Between, es: bool) -> Self {
-        let Between { literal, prelude, front, behind } = between;
+        let Between { literal, prelude, front, behind, whole } = between;
         // The text and the file that it stands in need two names.
         let name = format!("{} ({})", input.file.name(), prelude.name);
         let text = input.with_file(SourceFile::new(name, literal.text.as_str()));
@@ -256,7 +256,8 @@ impl ShaderFile {
                 let macros = errors::rests_on(d.code).contains(Around::MACROS) && !word.is_empty();
                 macros && around.iter().any(|part| marks::has_word(part, word))
             };
-            let of_another = |d: &Diagnostic| open::is_about_a_name(d) || open::is_of_another(d) || of_host(d);
+            let of_another =
+                |d: &Diagnostic| (!whole && open::is_about_a_name(d)) || open::is_of_another(d) || of_host(d);
             // A port of such a text states a version, and enables more.
             let stated = shader.shader.version().span.is_some_and(|v| front.contains(v.start));
             let mut open = if stated { Around::ENABLED | Around::TYPES } else { Around::empty() };

@@ -1,5 +1,7 @@
 //! title: ISF: a shader with its inputs in JSON in front
 //! uses: RENDERSIZE isf_FragNormCoord IMG_NORM_PIXEL IMG_PIXEL IMG_THIS_PIXEL IMG_THIS_NORM_PIXEL
+//! states: "INPUTS" "ISFVSN" "PASSES" "CATEGORIES"
+//! inputs: isf
 --- both
 uniform int PASSINDEX;
 uniform vec2 RENDERSIZE;
