@@ -155,6 +155,40 @@ impl Checker<'_> {
         }
     }
 
+    /// A member of a block of built-in variables is one of them.
+    fn per_vertex_member(&mut self, name: &Ident) {
+        const MEMBERS: [&str; 4] = ["gl_Position", "gl_PointSize", "gl_ClipDistance", "gl_CullDistance"];
+        let text = name.name.as_str();
+        if builtin::variable(text, self.stage, self.vertices).is_some() || MEMBERS.contains(&text) {
+            return;
+        }
+        let message = message!("`gl_PerVertex` has no member `{text}`", "`gl_PerVertex` に `{text}` はありません");
+        self.sink.error(errors::REDECLARATION, name.span, message, message!("unknown member", "未知のメンバー"));
+    }
+
+    /// Rules of the dimensions of a block, whose type with them is `ty`.
+    fn block_array_rules(&mut self, block: &InterfaceBlock, storage: Storage, ty: &Type, builtin_block: bool) {
+        if block.dims.len() > 1 {
+            self.need(Feature::ArraysOfArrays, block.dims[1].span);
+        }
+        if let (Storage::Uniform, Some(dim)) = (storage, block.dims.first().filter(|d| d.size.is_none()))
+            && (self.language.es() || !self.language.at_least(430, u32::MAX))
+            && !self.language.is_open()
+        {
+            let message =
+                message!("an array of uniform blocks needs a size", "uniform ブロックの配列には大きさが必要です");
+            self.sink.error(errors::ARRAY, dim.span, message, message!("no size", "大きさがない"));
+        }
+        if !builtin_block {
+            let name = block.instance.as_ref().unwrap_or(&block.name).clone();
+            self.patch_array(&name, ty, storage, &block.qualifiers);
+        }
+        if storage == Storage::In && !builtin_block {
+            let name = block.instance.as_ref().unwrap_or(&block.name);
+            self.geometry_input(name, ty, name.span);
+        }
+    }
+
     pub(super) fn block(&mut self, item: usize, block: &InterfaceBlock, span: Span) {
         let storage = block.qualifiers.storage().map_or(Storage::Uniform, |(s, _)| Storage::of(s, self.stage));
         self.layout_values(&block.qualifiers);
@@ -181,21 +215,8 @@ impl Checker<'_> {
                 if !builtin_block {
                     self.reserved_name(&name, false);
                     self.block_member_rules(member, storage, &name, &ty, block);
-                } else if builtin::variable(&name.name, self.stage, self.vertices).is_none()
-                    && !matches!(
-                        name.name.as_str(),
-                        "gl_Position" | "gl_PointSize" | "gl_ClipDistance" | "gl_CullDistance"
-                    )
-                {
-                    let text = &name.name;
-                    let message =
-                        message!("`gl_PerVertex` has no member `{text}`", "`gl_PerVertex` に `{text}` はありません");
-                    self.sink.error(
-                        errors::REDECLARATION,
-                        name.span,
-                        message,
-                        message!("unknown member", "未知のメンバー"),
-                    );
+                } else {
+                    self.per_vertex_member(&name);
                 }
                 if let Some(first) = fields
                     .iter()
@@ -241,25 +262,7 @@ impl Checker<'_> {
         }
         let base = Type::Struct(Arc::new(StructType { name: block.name.name.clone(), fields, span: block.name.span }));
         let ty = self.dimensions(base, &block.dims);
-        if block.dims.len() > 1 {
-            self.need(Feature::ArraysOfArrays, block.dims[1].span);
-        }
-        if let (Storage::Uniform, Some(dim)) = (storage, block.dims.first().filter(|d| d.size.is_none()))
-            && (self.language.es() || !self.language.at_least(430, u32::MAX))
-            && !self.language.is_open()
-        {
-            let message =
-                message!("an array of uniform blocks needs a size", "uniform ブロックの配列には大きさが必要です");
-            self.sink.error(errors::ARRAY, dim.span, message, message!("no size", "大きさがない"));
-        }
-        if !builtin_block {
-            let name = block.instance.as_ref().unwrap_or(&block.name).clone();
-            self.patch_array(&name, &ty, storage, &block.qualifiers);
-        }
-        if storage == Storage::In && !builtin_block {
-            let name = block.instance.as_ref().unwrap_or(&block.name);
-            self.geometry_input(name, &ty, name.span);
-        }
+        self.block_array_rules(block, storage, &ty, builtin_block);
         let ty = self.stage_type(ty, storage);
         let symbol = block.instance.as_ref().map(|name| {
             let kind = SymbolKind::BlockInstance(index);
