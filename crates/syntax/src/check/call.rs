@@ -5,7 +5,6 @@ use super::super::builtin::{self, BuiltinFunction, Signature};
 use super::super::constructor::{Constructor, Fit};
 use super::super::fold::{self, Const};
 use super::super::language::Feature;
-use super::super::names::nearest;
 use super::super::symbols::{BuiltinCall, CallTarget, Direction, FunctionId};
 use super::super::types::{ArraySize, Conversions, ScalarType, Type};
 use super::super::{Lacks, errors};
@@ -432,13 +431,15 @@ impl Checker<'_> {
             );
             return;
         }
-        let mut known: Vec<&str> = self.functions.keys().map(String::as_str).collect();
-        for name in builtin::function_names() {
-            known.push(name);
-        }
-        known.extend(["vec2", "vec3", "vec4", "mat2", "mat3", "mat4", "float", "int", "uint"]);
-        known.sort_unstable();
-        let near = nearest(&name.name, known).map(str::to_owned);
+        let near = self.meant(&name.name, |checker| {
+            let mut known: Vec<&str> = checker.functions.keys().map(String::as_str).collect();
+            for name in builtin::function_names() {
+                known.push(name);
+            }
+            known.extend(["vec2", "vec3", "vec4", "mat2", "mat3", "mat4", "float", "int", "uint"]);
+            known.sort_unstable();
+            known
+        });
         self.sink.push(with_near(d, near));
     }
 

@@ -9,7 +9,6 @@ use super::super::ast::{
 use super::super::fold::{self, Const};
 use super::super::interface::{Storage, Variable};
 use super::super::language::Feature;
-use super::super::names::nearest;
 use super::super::symbols::{Direction, FunctionId, FunctionInfo, ParamInfo, SymbolKind};
 use super::super::types::{ArraySize, OpaqueType, StructField, StructType, Type};
 use super::super::vast::too_large;
@@ -84,12 +83,16 @@ impl Checker<'_> {
                     None => {
                         self.lack(name, Lacks::Type);
                         if !self.language.is_open() && self.first_time(name) {
-                            let mut known: Vec<&str> = parser::suggestions().collect();
-                            let own = self.scopes.iter().flat_map(|s| s.entries.iter());
-                            known
-                                .extend(own.filter(|(_, e)| matches!(e, Entry::Structure(_))).map(|(n, _)| n.as_str()));
-                            known.sort_unstable();
-                            let near = nearest(name, known).map(str::to_owned);
+                            let near = self.meant(name, |checker| {
+                                let own = checker.scopes.iter().flat_map(|s| s.entries.iter());
+                                let own = own.filter(|(_, e)| matches!(e, Entry::Structure(_)));
+                                let mut known: Vec<&str> = own.map(|(n, _)| n.as_str()).collect();
+                                for name in parser::suggestions() {
+                                    known.push(name);
+                                }
+                                known.sort_unstable();
+                                known
+                            });
                             let d =
                                 self.sink.start(errors::UNKNOWN_TYPE, span, format!("type `{name}` is not declared"));
                             self.sink.push(with_near(d.with_label("unknown type"), near));

@@ -38,6 +38,9 @@ use super::{Lacks, Stage, errors};
 use base::text::Span;
 use expression::with_near;
 
+/// Unknown names of a text for which the name that was meant is sought.
+const MOST_SLIPS: usize = 64;
+
 /// What the checker finds out, beside diagnostics.
 #[derive(Debug, Default)]
 pub(crate) struct Checked {
@@ -363,6 +366,13 @@ impl<'a> Checker<'a> {
         !self.incomplete && self.reported_names.insert(name.to_owned())
     }
 
+    /// The name that was probably meant by an unknown one, among all that are known. Where many are unknown, none of them is a slip, and to seek for
+    /// each among all others would take their square.
+    pub(super) fn meant<'s>(&'s self, name: &str, known: impl FnOnce(&'s Self) -> Vec<&'s str>) -> Option<String> {
+        let few = self.reported_names.len() <= MOST_SLIPS;
+        few.then(|| nearest(name, known(self)).map(str::to_owned)).flatten()
+    }
+
     /// Every name that could be meant by an unknown one: the innermost scope first.
     fn known_variables(&self) -> Vec<&str> {
         let mut all: Vec<&str> = Vec::new();
@@ -392,7 +402,7 @@ impl<'a> Checker<'a> {
         if !self.first_time(name) || crate::hole::stands_for(name) || self.may_be_of_an_extension(name) {
             return;
         }
-        let near = nearest(name, self.known_variables()).map(str::to_owned);
+        let near = self.meant(name, |checker| checker.known_variables());
         let message = format!("`{name}` is not declared");
         let diagnostic = self.sink.start(errors::UNKNOWN_NAME, span, message).with_label("unknown name");
         self.sink.push(self.unknown_help(name, near, diagnostic));

@@ -311,3 +311,16 @@ fn a_type_that_doubles_is_a_limit_and_nothing_follows_from_it() {
     assert_eq!(codes("a.glsl", chain(5000)), ["E004"]);
     assert_eq!(codes("a.glsl", chain(100)), [""; 0]);
 }
+
+#[test]
+fn where_many_names_are_unknown_none_is_taken_for_a_slip() {
+    let helped = |count: usize| {
+        let lines: String = (0..count).map(|i| format!("float value{i} = valeu{i};\n")).collect();
+        let text = format!("#version 330\nvoid main() {{\n{lines}}}\n");
+        let found = Shader::parse(&SourceFile::new("a.vert", text), Stage::Vertex).diagnostics;
+        assert_eq!(found.len(), count);
+        found.iter().filter(|d| d.help.is_some()).count()
+    };
+    assert!(helped(40) >= 39);
+    assert!(helped(100) < 100);
+}
