@@ -382,10 +382,7 @@ fn a_name_that_the_text_has_in_quotes_is_known_to_its_host() {
     let text =
         |head: &str| format!("{head}varying float radios;\nvoid main() {{ gl_FragColor = vec4(radius * radios); }}\n");
     by_default(&[("a.frag", &text(""))], "E020");
-    only_on_request(
-        &[("a.frag", &text("/*{ \"INPUTS\": [{ \"NAME\": \"radius\", \"TYPE\": \"float\" }] }*/\n"))],
-        "E020",
-    );
+    only_on_request(&[("a.frag", &text("/* settings: \"radius\" = 0.5 */\n"))], "E020");
     by_default(&[("a.frag", &text("/* The radius of the lamp. */\n"))], "E020");
 }
 
