@@ -192,6 +192,7 @@ impl Composed {
                     "a module that is imported as a whole, and is not found, may declare it",
                     "全体がインポートされ、見つからないモジュールが宣言しているかもしれません"
                 )),
+                (None, []) if self.undeclared.len() > syntax::MOST_SLIPS => new,
                 (None, []) => match syntax::nearest(name, known.iter().copied()) {
                     Some(near) => new.with_help(message!("did you mean `{near}`?", "`{near}` のことですか")),
                     None => new,

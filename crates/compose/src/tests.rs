@@ -518,3 +518,17 @@ fn places_in_a_draft_are_those_of_its_author() {
     assert_eq!(edits.apply(text).unwrap().text, file.text());
     assert!(crate::from_draft(&SourceFile::new("new.wgsl", file.text())).is_none(), "once is enough");
 }
+
+#[test]
+fn where_many_names_are_unknown_none_is_taken_for_a_slip() {
+    let helped = |count: usize| {
+        let lines: String = (0..count).map(|i| format!("  let value{i} = valeu{i};\n")).collect();
+        let file = SourceFile::new("a.wgsl", format!("fn f() {{\n{lines}}}\n"));
+        let options = Options { assume_nothing: true, ..Options::default() };
+        let found = compose(&file, &options, &mut Shelf(HashMap::new())).unwrap().unknown_names();
+        assert_eq!(found.len(), count);
+        found.iter().filter(|d| d.help.is_some()).count()
+    };
+    assert_eq!(helped(40), 40);
+    assert_eq!(helped(100), 0);
+}

@@ -54,7 +54,7 @@ pub use fitting::fitting;
 pub use fold::Const;
 pub use hole::Hole;
 use interface::Interface;
-pub use names::nearest;
+pub use names::{MOST_SLIPS, nearest};
 pub use other_language::{Looks, looks_like, other_language};
 pub use preprocess::plain;
 pub use stage::Stage;

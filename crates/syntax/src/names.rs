@@ -1,5 +1,9 @@
 //! Suggestions for misspelt names.
 
+/// Unknown names of a text for which the name that was meant is sought: where more are unknown, none of them is a slip, and
+/// to seek for each among all others would take their square.
+pub const MOST_SLIPS: usize = 64;
+
 /// The name closest to `name`: at most one change for three characters. The first one wins a tie.
 pub fn nearest<'a>(name: &str, among: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let most = (name.chars().count() / 3).clamp(1, 3);

@@ -30,16 +30,13 @@ use super::builtin;
 use super::fold::Const;
 use super::interface::{InputPrimitive, Interface, Storage};
 use super::language::{Feature, Language};
-use super::names::nearest;
+use super::names::{MOST_SLIPS, nearest};
 use super::sink::Sink;
 use super::symbols::{CallTarget, FunctionId, FunctionInfo, Symbol, SymbolId, SymbolKind, Use};
 use super::types::{Conversions, StructType, Type};
 use super::{Lacks, Stage, errors};
 use base::text::Span;
 use expression::with_near;
-
-/// Unknown names of a text for which the name that was meant is sought.
-const MOST_SLIPS: usize = 64;
 
 /// What the checker finds out, beside diagnostics.
 #[derive(Debug, Default)]
