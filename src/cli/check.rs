@@ -23,8 +23,7 @@ use crate::cli::status::ExitStatus;
 use crate::cli::waiting::Waiting;
 use base::text::Shown;
 use disk::fresh;
-use engine::check::{Check, Suites};
-use engine::session::{self, Reached};
+use engine::check::{self, Check, Suites};
 use engine::suite::run::{DEFAULT_SEED, LaneUsed, Peer, Prepared, Request, RunError, Status, Summary, prepare};
 use judge::profile::Promises;
 use judge::verdict::Literals;
@@ -234,7 +233,8 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     let sources = args.sources.as_ref().map(|Sources(sources)| &sources[..]);
     let stage = args.stage.map(StageArg::stage);
     let suites = Asked { args, selected: &selected };
-    let mut check = Check { suites, peers, stage, sources, shard, translations: true };
+    let mut check = Check::new(suites, peers);
+    (check.stage, check.sources, check.shard, check.translations) = (stage, sources, shard, true);
     if shard.is_some() {
         return shared::run(args, check, &expectations, summary, out, err);
     }
@@ -252,7 +252,7 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         out,
         err,
     };
-    session::run(&mut check, None, Reached::default(), &mut watched)?;
+    check::run_whole(&mut check, &mut watched)?;
     let Watched { mut summary, mut progress, mut pages, screen, unfit, out, err, .. } = watched;
     progress.finish();
     without_stage(args.stage, &unfit, err)?;

@@ -2,7 +2,9 @@
 //!
 //! The time limit of a search is the only thing by which shards may differ from a run.
 
+use std::marker::PhantomData;
 use std::sync::{Mutex, PoisonError};
+use std::thread::{self, ThreadId};
 use std::time::{Duration, Instant};
 
 use property::Sample;
@@ -14,31 +16,48 @@ pub const PATIENCE: Duration = Duration::from_secs(30);
 /// Candidates that are tried between two looks at the clock.
 const CANDIDATES: usize = 1 << 12;
 
-/// What is done, the innermost last, each since when.
-static NOW: Mutex<Vec<(String, Instant)>> = Mutex::new(Vec::new());
+/// What a thread does, the innermost last, each since when.
+type Doings = Vec<(String, Instant)>;
 
-/// Something that is done until this is dropped.
+/// What is done, by the threads that do it.
+static NOW: Mutex<Vec<(ThreadId, Doings)>> = Mutex::new(Vec::new());
+
+/// Something that is done until this is dropped, on the thread that began it.
 #[must_use]
-pub struct Doing(());
+pub struct Doing(PhantomData<*const ()>);
 
 /// Begins something, in words that follow "it".
 pub fn doing(what: String) -> Doing {
-    NOW.lock().unwrap_or_else(PoisonError::into_inner).push((what, Instant::now()));
-    Doing(())
+    let (mut all, thread) = (NOW.lock().unwrap_or_else(PoisonError::into_inner), thread::current().id());
+    let begun = (what, Instant::now());
+    match all.iter_mut().find(|(of, _)| *of == thread) {
+        Some((_, doings)) => doings.push(begun),
+        None => all.push((thread, vec![begun])),
+    }
+    Doing(PhantomData)
 }
 
 impl Drop for Doing {
     fn drop(&mut self) {
-        NOW.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let (mut all, thread) = (NOW.lock().unwrap_or_else(PoisonError::into_inner), thread::current().id());
+        if let Some(at) = all.iter().position(|(of, _)| *of == thread) {
+            all[at].1.pop();
+            if all[at].1.is_empty() {
+                all.remove(at);
+            }
+        }
     }
 }
 
-/// What is done at the moment, the outermost first, and for how long the innermost has been; `None` where nothing was begun.
+/// What is done at the moment, the outermost first, and for how long the innermost has been; of threads, the one whose
+/// innermost has been for the longest. `None` where nothing was begun.
 pub fn now() -> Option<(String, Duration)> {
     let now = NOW.lock().unwrap_or_else(PoisonError::into_inner);
-    let since = now.last()?.1.elapsed();
-    let words: Vec<&str> = now.iter().map(|(what, _)| what.as_str()).collect();
-    Some((words.join(": "), since))
+    let innermost = |doings: &Doings| doings.last().map(|(_, since)| *since);
+    let (doings, since) =
+        now.iter().filter_map(|(_, doings)| Some((doings, innermost(doings)?))).min_by_key(|of| of.1)?;
+    let words: Vec<&str> = doings.iter().map(|(what, _)| what.as_str()).collect();
+    Some((words.join(": "), since.elapsed()))
 }
 
 /// [`shrink::shrink`] for as long as [`PATIENCE`] lasts: what is not tried by then counts as not failing, and nothing that was

@@ -1,13 +1,15 @@
 //! The job of `check`: suites on lanes, in stages or from sources of inputs. Each suite in one way on one lane is a task,
 //! whose result is a [`Part`] that can be joined with those of other shards.
 
+mod ahead;
+
 use std::cell::RefCell;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::session::{At, Job};
+use crate::session::{self, At, Job, Observer, Reached};
 use crate::shard::Shard;
 use crate::suite::Suite;
 use crate::suite::run::{
@@ -17,6 +19,8 @@ use crate::suite::run::{
 use judge::profile::Promises;
 use lanes::{Lane, LaneError, Stage, embedded, interrupt};
 use program::InputSource;
+
+use ahead::Ahead;
 
 /// Suites on lanes.
 #[derive(Clone)]
@@ -34,6 +38,8 @@ pub struct Check<'a, S> {
     pub shard: Option<Shard>,
     /// Whether the shader's translations are compared as well, once for each suite.
     pub translations: bool,
+    /// What other threads did before its turn came.
+    ahead: Option<Arc<Ahead>>,
 }
 
 /// The suites of a run, by their places in it.
@@ -108,33 +114,30 @@ pub enum Event<'e> {
 impl<'a, S: Suites> Check<'a, S> {
     /// Runs all stages of these lanes.
     pub fn new(suites: S, peers: Vec<Peer<'a>>) -> Self {
-        Self { suites, peers, stage: None, sources: None, shard: None, translations: false }
+        Self { suites, peers, stage: None, sources: None, shard: None, translations: false, ahead: None }
     }
 
     /// The ways in which a suite runs on a lane: stages, or sources of inputs where these are asked for.
     pub fn ways(&self, suite: &Suite, lane: &dyn Lane) -> Vec<Way> {
-        let admitted = |(stage, _): &Way| self.stage.is_none_or(|asked| asked == *stage);
-        match self.sources {
-            // Sources are ways into a compute stage; a lane without one takes its inputs in one way.
-            Some(_) if !lane.description().stages.contains(&Stage::Compute) => Vec::new(),
-            Some(sources) => sources.iter().map(|&s| (stage_of(s), Some(s))).filter(admitted).collect(),
-            None => suite.stages(lane).into_iter().map(|stage| (stage, None)).filter(admitted).collect(),
-        }
+        ways(self.stage, self.sources, suite, lane)
     }
 
-    /// Runs the suite behind the `first` parts on one lane; breaks off when it is interrupted. `earlier` has what was done
-    /// of it before.
+    /// Runs the suite behind the `first` parts on the lane of a number; breaks off when it is interrupted. `earlier` has what
+    /// was done of it before.
     fn on(
         &self,
-        peer: Peer<'_>,
+        (number, peer): (usize, Peer<'_>),
         (suite, prepared, first): (usize, &Prepared, usize),
         earlier: &mut dyn Iterator<Item = Part>,
         at: &mut At<'_, Self>,
     ) -> Result<ControlFlow<(), bool>, S::Error> {
         let request = self.suites.request(suite, prepared, peer)?;
         let mut untranslated = false;
+        let mut done = self.ahead.as_ref().and_then(|ahead| ahead.take(suite, number));
         for way in self.ways(&prepared.suite, peer.lane) {
-            if interrupt::asked() {
+            // What other threads did until the run was interrupted is told like what this one did.
+            let known = done.as_mut().map(Iterator::next);
+            if interrupt::asked() && !matches!(known, Some(Some(_))) {
                 return Ok(ControlFlow::Break(()));
             }
             let most = way.1.map_or(u64::MAX, |source| max_samples(prepared, source));
@@ -145,7 +148,11 @@ impl<'a, S: Suites> Check<'a, S> {
                 continue;
             }
             at.observer.event(Event::Begun(&task))?;
-            match self.task(&task, at)? {
+            let result = match known.flatten() {
+                Some(result) => result,
+                None => self.task(&task, at)?,
+            };
+            match result {
                 // A device that is given up because the run ends has not failed.
                 Err(_) | Ok(None) if interrupt::asked() => return Ok(ControlFlow::Break(())),
                 Err(error) => {
@@ -219,7 +226,8 @@ impl<'a, S: Suites> Job for Check<'a, S> {
     }
 
     fn run(&mut self, (_, suite): (u64, usize), at: &mut At<'_, Self>) -> Result<(), S::Error> {
-        let prepared = match self.suites.prepare(suite) {
+        let make = || self.suites.prepare(suite);
+        let prepared = match self.ahead.as_ref().map_or_else(make, |ahead| ahead.turn(suite, make)) {
             Ok(prepared) => prepared,
             Err(error) => return at.observer.event(Event::Prepared(suite, Err(error))),
         };
@@ -230,8 +238,8 @@ impl<'a, S: Suites> Job for Check<'a, S> {
         let mut earlier = at.part.parts.split_off(first).into_iter();
         let this = (suite, &*prepared, first);
         let mut untranslated = false;
-        for &peer in &self.peers {
-            match self.on(peer, this, &mut earlier, at)? {
+        for (number, &peer) in self.peers.iter().enumerate() {
+            match self.on((number, peer), this, &mut earlier, at)? {
                 ControlFlow::Continue(failed) => untranslated |= failed,
                 ControlFlow::Break(()) => break,
             }
@@ -244,13 +252,39 @@ impl<'a, S: Suites> Job for Check<'a, S> {
         if let Some(lane) = alone.then(embedded::open).and_then(Result::ok) {
             let promises = Promises::of_lane(lane.description());
             let peer = Peer { lane: &*lane, promises: &promises };
-            let _ = self.on(peer, this, &mut earlier, at)?;
+            let _ = self.on((self.peers.len(), peer), this, &mut earlier, at)?;
         }
         if !interrupt::asked() {
             cross_check(&prepared, &self.peers, &mut at.part.parts[first..]);
         }
         at.observer.event(Event::Suite(suite, &prepared, &at.part.parts[first..]))
     }
+}
+
+/// Those ways, for what a run is asked for.
+fn ways(stage: Option<Stage>, sources: Option<&[InputSource]>, suite: &Suite, lane: &dyn Lane) -> Vec<Way> {
+    let admitted = |way: &Way| stage.is_none_or(|asked| asked == way.0);
+    match sources {
+        // Sources are ways into a compute stage; a lane without one takes its inputs in one way.
+        Some(_) if !lane.description().stages.contains(&Stage::Compute) => Vec::new(),
+        Some(sources) => sources.iter().map(|&s| (stage_of(s), Some(s))).filter(admitted).collect(),
+        None => suite.stages(lane).into_iter().map(|stage| (stage, None)).filter(admitted).collect(),
+    }
+}
+
+/// Runs all of a check, on all cores: what lanes share with other threads is done ahead of its turn, and told in its turn.
+/// The result is that of [`session::run`].
+///
+/// # Errors
+/// What the suites or the observer end the run with.
+pub fn run_whole<'a, S>(check: &mut Check<'a, S>, observer: &mut dyn Observer<Check<'a, S>>) -> Result<(), S::Error>
+where
+    S: Suites + Clone + Send + Sync,
+    S::Error: Send,
+{
+    ahead::side_by_side(check, ahead::threads(), |check| {
+        session::run(check, None, Reached::default(), observer).map(drop)
+    })
 }
 
 /// One suite that is ready, as the only one of a run.

@@ -10,7 +10,7 @@ use program::interp::group::InMemory;
 use program::interp::{self, Binary32, Executable, Half, HazardKind, Meaning};
 use program::{Form, Kernel, OutputLayout};
 
-use super::{Actual, Api, Description, Lane, LaneError, LaneName, Marks, Runner, Stage, Unavailable};
+use super::{Actual, Api, Description, Lane, LaneError, LaneName, Marks, Runner, Sharing, Stage, Unavailable};
 
 /// Opens the lane; it is always there.
 ///
@@ -62,6 +62,10 @@ impl Lane for Embedded {
 
     fn dispatches(&self) -> bool {
         !self.half
+    }
+
+    fn sharing(&self) -> Sharing<'_> {
+        Sharing::Free(self)
     }
 
     fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {

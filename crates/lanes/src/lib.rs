@@ -18,8 +18,8 @@ use std::sync::OnceLock;
 
 pub use open::{Opened, StandIn, UnknownLane, Wanted, open_first};
 pub use program::lane::{
-    Actual, Api, Description, Lane, LaneError, LaneName, Marks, PATIENCE, Runner, Stage, Unavailable, interned,
-    interrupt, known,
+    Actual, Api, Description, Lane, LaneError, LaneName, Marks, PATIENCE, Runner, Sharing, Stage, Unavailable,
+    interned, interrupt, known,
 };
 
 /// A lane that may be had.

@@ -105,7 +105,8 @@ pub fn trial(
         arguments: format!("{}.suite.toml", prepared.suite.name),
     };
     let one = One { prepared: Arc::new(prepared), request };
-    let mut check = Check { translations, ..Check::new(one, peers.to_vec()) };
+    let mut check = Check::new(one, peers.to_vec());
+    check.translations = translations;
     let mut watcher = Watcher { outcome };
     let Ok(_) = session::run(&mut check, None, Reached::default(), &mut watcher);
     let mut outcome = watcher.outcome;

@@ -3,10 +3,10 @@
 //! A text that it refuses is not supported on the lane. A translator that crashes, hangs or prints no module is at
 //! fault itself, and fails the lane.
 
-use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
 use std::process::Command;
-use std::rc::Rc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use super::spirv;
@@ -39,13 +39,14 @@ pub(super) enum TextStage {
 }
 
 type Key = (TextStage, String, Vec<(String, String)>);
-type Translated = Result<Rc<[u32]>, LaneError>;
+type Translated = Result<Arc<[u32]>, LaneError>;
 
 /// Translates, and remembers what it translated.
 pub(super) struct Translator {
     pub version: String,
-    known: RefCell<HashMap<Key, Translated>>,
-    limit: Cell<Duration>,
+    known: Mutex<HashMap<Key, Translated>>,
+    /// It did not end in its time once.
+    hung: AtomicBool,
 }
 
 impl Translator {
@@ -62,7 +63,7 @@ impl Translator {
         let text = String::from_utf8_lossy(&output.out);
         let version = text.lines().find_map(|line| line.strip_prefix("Glslang Version: "));
         let version = version.ok_or_else(|| format!("`{PROGRAM} --version` tells no version of glslang"))?;
-        Ok(Self { version: version.trim().to_owned(), known: RefCell::default(), limit: Cell::new(LIMIT) })
+        Ok(Self { version: version.trim().to_owned(), known: Mutex::default(), hung: AtomicBool::new(false) })
     }
 
     /// A text as SPIR-V for Vulkan 1.1.
@@ -72,15 +73,17 @@ impl Translator {
     /// for one that neither refuses nor translates it.
     pub fn translate(&self, kind: TextStage, text: &str, defines: &[(String, String)]) -> Translated {
         let key = (kind, text.to_owned(), defines.to_vec());
-        if let Some(known) = self.known.borrow().get(&key) {
+        let known = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = known().get(&key) {
             return known.clone();
         }
+        let limit = if self.hung.load(Ordering::Relaxed) { AFTER_A_HANG } else { LIMIT };
         let begun = std::time::Instant::now();
-        let translated = translate(command(PROGRAM, kind, defines), text, self.limit.get());
-        if begun.elapsed() >= self.limit.get() {
-            self.limit.set(AFTER_A_HANG);
+        let translated = translate(command(PROGRAM, kind, defines), text, limit);
+        if begun.elapsed() >= limit {
+            self.hung.store(true, Ordering::Relaxed);
         }
-        self.known.borrow_mut().insert(key, translated.clone());
+        known().insert(key, translated.clone());
         translated
     }
 }

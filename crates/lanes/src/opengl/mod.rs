@@ -27,7 +27,7 @@ mod uniforms;
 mod tests;
 
 use super::worker::with_inputs;
-use super::{Actual, Description, Lane, LaneError, Marks, Runner, check_asked};
+use super::{Actual, Description, Lane, LaneError, Marks, Runner, Sharing, check_asked};
 use base::value::Batch;
 use program::interp::{self, Binary32, Executable, Meaning};
 use program::lower::Role;
@@ -44,7 +44,12 @@ pub use remote::serve;
 pub const SIDE: &str = "opengl";
 
 /// Where jobs run: in this process or in another one.
-trait Backend {
+trait Backend: Sized + 'static {
+    /// Which threads may run kernels on a lane of this kind.
+    fn sharing(_: &OpenGl<Self>) -> Sharing<'_> {
+        Sharing::Alone
+    }
+
     /// Makes a job ready for at most `capacity` invocations.
     fn prepare(&self, job: &Job, capacity: usize) -> Result<Box<dyn Session>, Refusal>;
 }
@@ -76,16 +81,20 @@ impl Session for Ready {
     }
 }
 
-struct OpenGl {
+struct OpenGl<B> {
     description: Description,
-    backend: Box<dyn Backend>,
+    backend: B,
     /// True where a loop without end would stop this process: the interpreter goes through it first.
     guarded: bool,
 }
 
-impl Lane for OpenGl {
+impl<B: Backend> Lane for OpenGl<B> {
     fn description(&self) -> &Description {
         &self.description
+    }
+
+    fn sharing(&self) -> Sharing<'_> {
+        B::sharing(self)
     }
 
     fn calls_functions(&self) -> bool {

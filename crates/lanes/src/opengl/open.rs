@@ -107,7 +107,7 @@ fn open(driver: &'static Driver) -> Result<Box<dyn Lane>, Unavailable> {
         // The driver of this process is whatever its environment says.
         let context = Context::open().map_err(missing)?;
         let description = describe(driver, &context.renderer, &context.version)?;
-        return Ok(Box::new(OpenGl { description, backend: Box::new(Here(context)), guarded: true }));
+        return Ok(Box::new(OpenGl { description, backend: Here(context), guarded: true }));
     };
     let opened = |environment: &[(&'static str, &'static str)]| -> Result<_, Unavailable> {
         let remote = Remote::open(Worker::new(&program.with(super::SIDE), environment))?;
@@ -118,7 +118,7 @@ fn open(driver: &'static Driver) -> Result<Box<dyn Lane>, Unavailable> {
         // It is another vendor's.
         (described, remote) = opened(&[driver.environment, &[VENDOR]].concat())?;
     }
-    Ok(Box::new(OpenGl { description: described?, backend: Box::new(remote), guarded: false }))
+    Ok(Box::new(OpenGl { description: described?, backend: remote, guarded: false }))
 }
 
 /// What a driver is, by what it says of itself.

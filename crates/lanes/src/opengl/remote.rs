@@ -1,9 +1,7 @@
 //! Jobs of OpenGL in another process: the messages of both sides.
 
-use std::cell::RefCell;
 use std::collections::HashMap;
 use std::io::{Read, Write};
-use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
@@ -11,9 +9,9 @@ use serde::{Deserialize, Serialize};
 use super::context::{Context, REMEDY};
 use super::job::{Captured, Inputs, Job};
 use super::prepare::{Ready, Refusal};
-use super::{Backend, Session};
+use super::{Backend, OpenGl, Session};
 use crate::worker::{Frame, HeldJob, Line, Loss, SharedLine, Worker, read_frame, write_frame};
-use crate::{LaneError, Unavailable};
+use crate::{LaneError, Sharing, Unavailable};
 
 /// Longest time for the start of a driver.
 const OPENING: Duration = Duration::from_secs(30);
@@ -74,7 +72,7 @@ impl Remote {
         let opened = line.process.send(&Ask::Open, &[]).and_then(|()| line.process.receive(OPENING));
         let (opened, _) = opened.map_err(|loss| missing(format!("its process {loss}")))?;
         match opened {
-            Answer::Opened { renderer, version } => Ok(Self { line: Rc::new(RefCell::new(line)), renderer, version }),
+            Answer::Opened { renderer, version } => Ok(Self { line: SharedLine::new(line), renderer, version }),
             Answer::Missing { why } => Err(missing(why)),
             other => Err(missing(format!("its process {}", line.nonsense(&other)))),
         }
@@ -82,6 +80,10 @@ impl Remote {
 }
 
 impl Backend for Remote {
+    fn sharing(lane: &OpenGl<Self>) -> Sharing<'_> {
+        Sharing::InTurn(lane)
+    }
+
     fn prepare(&self, job: &Job, capacity: usize) -> Result<Box<dyn Session>, Refusal> {
         let mut away = Away { held: HeldJob::new(&self.line), job: job.clone(), wanted: capacity, capacity: 0 };
         away.prepare()?;
@@ -100,7 +102,7 @@ struct Away {
 impl Away {
     fn prepare(&mut self) -> Result<(), Refusal> {
         let (id, line) = (self.held.id, self.held.line.clone());
-        let mut line = line.borrow_mut();
+        let mut line = line.hold();
         if self.held.is_ready(&line) {
             return Ok(());
         }
@@ -128,7 +130,7 @@ impl Away {
             Refusal::Lane(error) => Failure::Message(error),
             Refusal::Text { log, .. } | Refusal::Link(log) => Failure::Message(LaneError::Api(log)),
         })?;
-        let mut line = self.held.line.borrow_mut();
+        let mut line = self.held.line.hold();
         let run = line.number();
         let ask = Ask::Run {
             id: self.held.id,

@@ -18,7 +18,7 @@ fn context() -> Rc<Context> {
     Context::open().expect("these tests need OpenGL by Mesa; `cargo xtask test` installs it")
 }
 
-fn lane() -> OpenGl {
+fn lane() -> OpenGl<Here> {
     let description = Description {
         name: "opengl",
         driver: String::new(),
@@ -27,7 +27,7 @@ fn lane() -> OpenGl {
         api: Api::OpenGl,
         stages: Vec::new(),
     };
-    OpenGl { description, backend: Box::new(Here(context())), guarded: true }
+    OpenGl { description, backend: Here(context()), guarded: true }
 }
 
 fn program(name: &str, text: &str) -> Program {

@@ -1,7 +1,5 @@
 //! The side that asks: a lane whose engine is in another process.
 
-use std::cell::RefCell;
-use std::rc::Rc;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -10,7 +8,9 @@ use super::wire::{Wire, Writer};
 use super::{Front, SIDE, Work};
 use crate::vulkan::{self, Naga};
 use crate::worker::{self, HeldJob, Loss, Program as Executable, SharedLine, Worker, with_inputs};
-use crate::{Actual, Candidate, Description, Lane, LaneError, PATIENCE, Runner, Unavailable, interned, interrupt};
+use crate::{
+    Actual, Candidate, Description, Lane, LaneError, PATIENCE, Runner, Sharing, Unavailable, interned, interrupt,
+};
 use base::value::Batch;
 use program::interp::{self, Binary32};
 use program::{Form, Kernel, OutputLayout, Program};
@@ -104,7 +104,7 @@ pub fn open(program: &Executable, lane: &str, front: Box<dyn Front>) -> Result<B
 
 fn open_on(mut line: EngineLine, lane: &str, front: Box<dyn Front>) -> Result<Box<dyn Lane>, Unavailable> {
     let description = line.open(lane)?;
-    Ok(Box::new(Away { line: Rc::new(RefCell::new(line)), front, description }))
+    Ok(Box::new(Away { line: SharedLine::new(line), front, description }))
 }
 
 /// A lane whose engine is in another process.
@@ -117,6 +117,10 @@ struct Away {
 impl Lane for Away {
     fn description(&self) -> &Description {
         &self.description
+    }
+
+    fn sharing(&self) -> Sharing<'_> {
+        Sharing::InTurn(self)
     }
 
     fn dispatches(&self) -> bool {
@@ -176,7 +180,7 @@ enum Failure {
 impl Session {
     fn prepare(&mut self) -> Result<(), LaneError> {
         let (id, line) = (self.held.id, self.held.line.clone());
-        let mut line = line.borrow_mut();
+        let mut line = line.hold();
         if self.held.is_ready(&line) {
             return Ok(());
         }
@@ -214,7 +218,7 @@ impl Session {
         more: &mut dyn FnMut() -> Duration,
     ) -> Result<Actual, Failure> {
         self.prepare().map_err(Failure::Message)?;
-        let mut line = self.held.line.borrow_mut();
+        let mut line = self.held.line.hold();
         let run = line.number();
         let (id, per_case, invocations) = (self.held.id, batch.per_case, batch.invocations.len());
         let ask = Ask::Run { id, run, per_case, invocations, pieces: pieces.clone() };
@@ -319,7 +323,7 @@ impl Runner for Session {
         let count = self.count_of(batch, "invocations")?;
         let (program, loops) = (self.program.clone(), self.loops);
         let (mut named, mut late) = (None, false);
-        let most = if self.held.line.borrow().state.0 { AFTER_A_LOSS } else { BATCH };
+        let most = if self.held.line.hold().state.0 { AFTER_A_LOSS } else { BATCH };
         let mut more = || {
             let begun = Instant::now();
             named = if loops { endless(&program, batch) } else { None };
@@ -330,7 +334,7 @@ impl Runner for Session {
             Ok(actual) => Ok(actual),
             Err(Failure::Message(error)) => Err(error),
             Err(Failure::Lost(loss, _)) => {
-                self.held.line.borrow_mut().state.0 |= late && named.is_none();
+                self.held.line.hold().state.0 |= late && named.is_none();
                 let result = match named {
                     Some(at) => Err(loss.error(Some(at), count, "")),
                     None => self.narrowed(&loss, batch, count),

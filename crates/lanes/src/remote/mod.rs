@@ -32,7 +32,7 @@ pub enum Work {
 }
 
 /// Makes work of kernels.
-pub trait Front {
+pub trait Front: Send + Sync {
     /// What is run for a kernel.
     ///
     /// # Errors

@@ -1,8 +1,6 @@
 //! The process of Node, and kernels that are ready there.
 
-use std::cell::RefCell;
 use std::path::Path;
-use std::rc::Rc;
 use std::time::Duration;
 
 use super::messages::{Adapter, Answer, Ask, Job, Missing};
@@ -82,7 +80,7 @@ impl Remote {
         let folder = folder.to_string_lossy().into_owned();
         let mut line = Line::new(peer, NodeDevice { folder, opened: None });
         match line.open()? {
-            Some(adapter) => Ok(Self { line: Rc::new(RefCell::new(line)), adapter }),
+            Some(adapter) => Ok(Self { line: SharedLine::new(line), adapter }),
             None => Err(Missing::Process("it was open before it was opened".to_owned())),
         }
     }
@@ -118,7 +116,7 @@ pub enum Failure {
 impl Away {
     fn prepare(&mut self) -> Result<(), LaneError> {
         let line = self.held.line.clone();
-        let mut line = line.borrow_mut();
+        let mut line = line.hold();
         if self.held.is_ready(&line) {
             return Ok(());
         }
@@ -148,7 +146,7 @@ impl Away {
         limit: Duration,
     ) -> Result<Vec<u32>, Failure> {
         self.prepare().map_err(Failure::Message)?;
-        let mut line = self.held.line.borrow_mut();
+        let mut line = self.held.line.hold();
         let run = line.number();
         let ask = Ask::Run {
             id: self.job.id,

@@ -1,8 +1,7 @@
 //! The way to a process, and what is ready there.
 
-use std::cell::RefCell;
 use std::fmt::Debug;
-use std::rc::Rc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::{Loss, Worker};
 
@@ -61,8 +60,25 @@ impl<P: Process, S> Line<P, S> {
     }
 }
 
-/// A line that several jobs use.
-pub type SharedLine<P, S = ()> = Rc<RefCell<Line<P, S>>>;
+/// A line that several jobs use, in turn.
+pub struct SharedLine<P, S = ()>(Arc<Mutex<Line<P, S>>>);
+
+impl<P, S> Clone for SharedLine<P, S> {
+    fn clone(&self) -> Self {
+        Self(Arc::clone(&self.0))
+    }
+}
+
+impl<P, S> SharedLine<P, S> {
+    pub fn new(line: Line<P, S>) -> Self {
+        Self(Arc::new(Mutex::new(line)))
+    }
+
+    /// The line, once nobody else uses it. A job asks and waits for its answer before it lets go.
+    pub fn hold(&self) -> MutexGuard<'_, Line<P, S>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
 
 /// A job that is made ready in a process under a number.
 pub struct HeldJob<P, S = ()> {
@@ -75,7 +91,7 @@ pub struct HeldJob<P, S = ()> {
 impl<P: Process, S> HeldJob<P, S> {
     /// A job that is not ready yet.
     pub fn new(line: &SharedLine<P, S>) -> Self {
-        Self { line: line.clone(), id: line.borrow_mut().number(), start: None }
+        Self { line: line.clone(), id: line.hold().number(), start: None }
     }
 
     /// True when the process that runs has it.
@@ -90,7 +106,7 @@ impl<P: Process, S> HeldJob<P, S> {
 
     /// Has a process that still has it forget it.
     pub fn forget(&self, tell: impl FnOnce(&mut P) -> Result<(), Loss>) {
-        let Ok(mut line) = self.line.try_borrow_mut() else { return };
+        let mut line = self.line.hold();
         if self.is_ready(&line) {
             // A process that is gone has forgotten it anyway.
             let _ = tell(&mut line.process);

@@ -288,6 +288,17 @@ fn at(invocation: &Option<usize>, count: usize, inputs: &str) -> String {
     }
 }
 
+/// Which threads may run kernels on a lane.
+#[derive(Clone, Copy)]
+pub enum Sharing<'a> {
+    /// Only the one that opened it.
+    Alone,
+    /// Any of them, and one at a time is the quickest: all that runs goes to one process.
+    InTurn(&'a (dyn Lane + Sync)),
+    /// Any of them, side by side.
+    Free(&'a (dyn Lane + Sync)),
+}
+
 /// A device that runs kernels.
 ///
 /// Contract: a runner gives the outputs of exactly the batch it was given, or an error. Before each
@@ -304,6 +315,11 @@ pub trait Lane {
     /// # Errors
     /// [`LaneError`] when the device refuses the kernel.
     fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError>;
+
+    /// Which threads may run kernels on it.
+    fn sharing(&self) -> Sharing<'_> {
+        Sharing::Alone
+    }
 
     /// What reads the text of a program on this lane.
     fn front_end(&self, _program: &Program) -> String {
