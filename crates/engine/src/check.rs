@@ -133,11 +133,9 @@ impl<'a, S: Suites> Check<'a, S> {
     ) -> Result<ControlFlow<(), bool>, S::Error> {
         let request = self.suites.request(suite, prepared, peer)?;
         let mut untranslated = false;
-        let mut done = self.ahead.as_ref().and_then(|ahead| ahead.take(suite, number));
         for way in self.ways(&prepared.suite, peer.lane) {
             // What other threads did until the run was interrupted is told like what this one did.
-            let known = done.as_mut().map(Iterator::next);
-            if interrupt::asked() && !matches!(known, Some(Some(_))) {
+            if interrupt::asked() && !self.ahead.as_ref().is_some_and(|ahead| ahead.has((suite, number))) {
                 return Ok(ControlFlow::Break(()));
             }
             let most = way.1.map_or(u64::MAX, |source| max_samples(prepared, source));
@@ -148,7 +146,8 @@ impl<'a, S: Suites> Check<'a, S> {
                 continue;
             }
             at.observer.event(Event::Begun(&task))?;
-            let result = match known.flatten() {
+            let mut progress = |done| at.observer.progress(done);
+            let result = match self.ahead.as_ref().and_then(|ahead| ahead.take((suite, number), &mut progress)) {
                 Some(result) => result,
                 None => self.task(&task, at)?,
             };

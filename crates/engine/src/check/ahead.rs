@@ -4,9 +4,10 @@
 //! The thread of the run takes the results in their order, and says and joins what it would have said without this. Lanes
 //! that belong to one thread are left to it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::ops::ControlFlow;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -49,21 +50,23 @@ struct Errand<'a, S> {
     sources: Option<&'a [InputSource]>,
 }
 
-/// How far a suite on a lane is.
-enum Unit {
-    Running,
-    /// For each way, unless the run was interrupted.
-    Done(Vec<Outcome>),
-    /// Left to the thread of the run.
-    Left,
+/// A suite on a lane.
+#[derive(Default)]
+struct Unit {
+    /// What came of its ways, until it is taken.
+    outcomes: VecDeque<Outcome>,
+    /// How far the way is that is under way.
+    steps: Arc<AtomicU64>,
+    /// A thread has done what it will do: the rest is left to the thread of the run.
+    over: bool,
 }
 
 /// A suite that some thread makes ready; none in it where that fails.
-type Ready = Arc<Mutex<Option<Option<Arc<Prepared>>>>>;
+type Ready = Arc<OnceLock<Option<Arc<Prepared>>>>;
 
 #[derive(Default)]
 struct State {
-    /// By suite and number of the lane, until they are taken.
+    /// By suite and number of the lane, once they are begun.
     units: BTreeMap<(usize, usize), Unit>,
     /// For each lane, the first suite that has not begun on it.
     begun: Vec<usize>,
@@ -107,31 +110,39 @@ impl Ahead {
     /// A suite that is made ready by the first that asks for it. `None` where that fails.
     fn ready<E>(&self, suite: usize, make: impl Fn() -> Result<Arc<Prepared>, E>) -> Option<Arc<Prepared>> {
         let ready = Arc::clone(self.state().ready.entry(suite).or_default());
-        let mut ready = ready.lock().unwrap_or_else(PoisonError::into_inner);
-        ready.get_or_insert_with(|| make().ok()).clone()
+        ready.get_or_init(|| make().ok()).clone()
     }
 
-    /// What came of a suite on the lane of a number, once it is done; `None` for what the caller has to do.
-    pub(super) fn take(&self, suite: usize, lane: usize) -> Option<std::vec::IntoIter<Outcome>> {
-        if !self.shared.get(lane).is_some_and(|lane| *lane) {
+    /// True where the next outcome of a suite on the lane of a number is there.
+    pub(super) fn has(&self, unit: (usize, usize)) -> bool {
+        self.state().units.get(&unit).is_some_and(|unit| !unit.outcomes.is_empty())
+    }
+
+    /// The next outcome of a suite on the lane of a number, once it is there; `None` for what the caller has to do.
+    pub(super) fn take(&self, unit: (usize, usize), progress: &mut dyn FnMut(u64)) -> Option<Outcome> {
+        if !self.shared.get(unit.1).is_some_and(|lane| *lane) {
             return None;
         }
         let mut state = self.state();
         loop {
-            match state.units.get(&(suite, lane)) {
-                Some(Unit::Left) => return None,
-                Some(Unit::Done(_)) => {
-                    let Some(Unit::Done(outcomes)) = state.units.remove(&(suite, lane)) else { return None };
-                    return Some(outcomes.into_iter());
-                }
+            let steps = match state.units.get_mut(&unit) {
+                Some(found) => match found.outcomes.pop_front() {
+                    Some(outcome) => return Some(outcome),
+                    None if found.over => return None,
+                    None => found.steps.load(Ordering::Relaxed),
+                },
                 // Nobody begins it any more.
                 None if interrupt::asked() => return None,
-                None | Some(Unit::Running) => {
-                    let waited = self.changed.wait_timeout(state, SIGNAL);
-                    state = waited.unwrap_or_else(PoisonError::into_inner).0;
-                }
-            }
+                None => 0,
+            };
+            progress(steps);
+            state = self.wait(state);
         }
+    }
+
+    /// Waits for a change, or as long as a signal may take to be seen.
+    fn wait<'s>(&self, state: MutexGuard<'s, State>) -> MutexGuard<'s, State> {
+        self.changed.wait_timeout(state, SIGNAL).unwrap_or_else(PoisonError::into_inner).0
     }
 
     /// Ends the threads once they have done what they are at.
@@ -145,8 +156,9 @@ impl<S: Suites> Errand<'_, S> {
     /// Does one unit after the other, for as long as there are some.
     fn run(&self, ahead: &Ahead, early: usize) {
         while let Some(unit) = self.next(ahead, early) {
-            let mut begun = Begun { ahead, unit, outcomes: None };
-            begun.outcomes = self.unit(ahead, unit);
+            let _begun = Begun { ahead, unit };
+            // What is left is left to the thread of the run.
+            let _ = self.unit(ahead, unit);
         }
     }
 
@@ -157,51 +169,53 @@ impl<S: Suites> Errand<'_, S> {
             if state.over || interrupt::asked() {
                 return None;
             }
-            let busy =
-                |lane: usize| state.units.iter().any(|(unit, how)| unit.1 == lane && matches!(how, Unit::Running));
+            let busy = |lane: usize| state.units.iter().any(|(of, unit)| of.1 == lane && !unit.over);
             let free = |lane: usize| self.peers[lane].as_ref().is_some_and(|peer| !peer.in_turn || !busy(lane));
             let lanes = (0..self.peers.len()).filter(|&lane| free(lane));
             let end = self.suites.count().min(state.turn + early);
             let next = |lane: usize| (state.begun[lane].max(state.turn), lane);
             if let Some(unit) = lanes.map(next).filter(|unit| unit.0 < end).min() {
-                state.units.insert(unit, Unit::Running);
+                state.units.insert(unit, Unit::default());
                 state.begun[unit.1] = unit.0 + 1;
                 return Some(unit);
             }
-            let waited = ahead.changed.wait_timeout(state, SIGNAL);
-            state = waited.unwrap_or_else(PoisonError::into_inner).0;
+            state = ahead.wait(state);
         }
     }
 
-    /// Runs a suite on a lane. `None` for what the thread of the run has to tell.
-    fn unit(&self, ahead: &Ahead, (suite, lane): (usize, usize)) -> Option<Vec<Outcome>> {
-        let SharedPeer { lane, promises, .. } = self.peers[lane].as_ref()?;
+    /// Runs a suite on a lane; `None` where the thread of the run has to tell why that cannot be.
+    fn unit(&self, ahead: &Ahead, (suite, lane): (usize, usize)) -> Option<()> {
+        let SharedPeer { lane: peer, promises, .. } = self.peers[lane].as_ref()?;
         let prepared = ahead.ready(suite, || self.suites.prepare(suite))?;
-        let request = self.suites.request(suite, &prepared, Peer { lane: *lane, promises }).ok()?;
-        let mut outcomes = Vec::new();
-        for way in ways(self.stage, self.sources, &prepared.suite, *lane) {
+        let request = self.suites.request(suite, &prepared, Peer { lane: *peer, promises }).ok()?;
+        let steps = Arc::clone(&ahead.state().units.get(&(suite, lane))?.steps);
+        for way in ways(self.stage, self.sources, &prepared.suite, *peer) {
             if interrupt::asked() {
                 break;
             }
+            steps.store(0, Ordering::Relaxed);
             let mut save = |_: &Sampled| ControlFlow::Continue(());
             let share = Share { shard: Shard::WHOLE, resume: None, save: &mut save, partial: true };
-            outcomes.push(run_part(&prepared, *lane, way, &request, share, &mut |_| {}));
+            let mut progress = |done| steps.store(done, Ordering::Relaxed);
+            let outcome = run_part(&prepared, *peer, way, &request, share, &mut progress);
+            ahead.state().units.get_mut(&(suite, lane))?.outcomes.push_back(outcome);
+            ahead.changed.notify_all();
         }
-        Some(outcomes)
+        Some(())
     }
 }
 
-/// A unit that a thread is at, until it is given back, be it by a panic.
+/// A unit that a thread is at, until it lets go of it, be it by a panic.
 struct Begun<'a> {
     ahead: &'a Ahead,
     unit: (usize, usize),
-    outcomes: Option<Vec<Outcome>>,
 }
 
 impl Drop for Begun<'_> {
     fn drop(&mut self) {
-        let done = self.outcomes.take().map_or(Unit::Left, Unit::Done);
-        self.ahead.state().units.insert(self.unit, done);
+        if let Some(unit) = self.ahead.state().units.get_mut(&self.unit) {
+            unit.over = true;
+        }
         self.ahead.changed.notify_all();
     }
 }
@@ -272,7 +286,7 @@ fn shared<'a>(peer: &Peer<'a>) -> Option<SharedPeer<'a>> {
 #[cfg(test)]
 mod tests {
     use std::convert::Infallible;
-    use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::sync::atomic::AtomicUsize;
 
     use super::super::Event;
     use super::*;
@@ -408,13 +422,23 @@ mod tests {
     #[test]
     fn what_a_thread_does_not_bring_back_is_left_to_the_run() {
         let ahead = Ahead { shared: vec![true], state: Mutex::default(), changed: Condvar::new() };
-        ahead.state().units.insert((0, 0), Unit::Running);
+        let steps = Arc::new(AtomicU64::new(7));
+        ahead.state().units.insert((0, 0), Unit { steps: Arc::clone(&steps), ..Unit::default() });
         let panicked = thread::scope(|scope| {
             let thread = scope.spawn(|| {
-                let _begun = Begun { ahead: &ahead, unit: (0, 0), outcomes: None };
+                let _begun = Begun { ahead: &ahead, unit: (0, 0) };
+                while steps.load(Ordering::SeqCst) != 0 {
+                    thread::yield_now();
+                }
                 std::panic::resume_unwind(Box::new("planted"));
             });
-            assert!(ahead.take(0, 0).is_none());
+            let mut seen = Vec::new();
+            let outcome = ahead.take((0, 0), &mut |done| {
+                seen.push(done);
+                steps.store(0, Ordering::SeqCst);
+            });
+            assert!(outcome.is_none());
+            assert_eq!(seen[0], 7, "how far it is, is told while it goes on");
             thread.join()
         });
         assert!(panicked.is_err());
