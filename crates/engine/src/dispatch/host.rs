@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use program::Written;
-use program::interp::group::{Buffer, Dispatch, InMemory, Leaf, MemoryShape, Outcome, Space, WIDTH, Wrong};
+use program::interp::group::{Buffer, Dispatch, InMemory, Leaf, MemoryShape, Outcome, Space, Turns, WIDTH, Wrong};
 use program::interp::{Column, Executable, Number, Plain};
 
 use super::{Dispatched, images};
@@ -32,6 +32,8 @@ pub(super) struct Scenario {
     pub surplus: u64,
     /// Invocations of a subgroup.
     pub subgroup: u32,
+    /// Who comes first.
+    pub turns: Turns,
     /// What real numbers buffers hold before.
     pub contents: Contents,
 }
@@ -177,7 +179,7 @@ impl Dispatched {
     }
 
     pub(super) fn groups(&self, items: [u32; 3]) -> [u32; 3] {
-        std::array::from_fn(|axis| items[axis].div_ceil(self.size[axis]).max(1))
+        std::array::from_fn(|axis| items[axis].div_ceil(self.size[axis]).max(self.named[axis]))
     }
 
     /// How long each array is: what the shader reaches where its elements fill the workgroups, for several sizes.
@@ -358,7 +360,7 @@ impl Dispatched {
         let product = |all: [u32; 3]| -> u64 { all.iter().map(|&n| u64::from(n)).product() };
         let surplus = (product(groups) * product(self.size)).saturating_sub(product(items));
         let (executable, contents) = (self.executable_for(items), Contents::of(variant));
-        Scenario { groups, executable, buffers, settings, surplus, subgroup: WIDTH, contents }
+        Scenario { groups, executable, buffers, settings, surplus, subgroup: WIDTH, turns: Turns::default(), contents }
     }
 
     /// Runs a scenario. Loads outside of an array give the bits of `outside`.
@@ -381,6 +383,7 @@ impl Dispatched {
             work: WORK,
             watched: true,
             order: 0,
+            turns: scenario.turns,
             subgroup: scenario.subgroup,
         });
         // In all languages but WGSL, operations of a subgroup are those of the invocations that come to them.

@@ -13,6 +13,8 @@ mod doubt;
 mod draft;
 mod host;
 mod images;
+mod orders;
+mod races;
 mod run;
 mod stated;
 mod tell;
@@ -43,6 +45,8 @@ pub struct Dispatched {
     uses: Uses,
     /// Axes along which a host dispatches as many workgroups as its elements need.
     axes: Vec<usize>,
+    /// Workgroups along each axis that the text names by their numbers, at least.
+    named: [u32; 3],
     /// One workgroup is all that it is written for: nothing asks which one it is.
     alone: bool,
     /// The memory of a workgroup begins with zeros.
@@ -65,12 +69,14 @@ impl Dispatched {
             Ok(executable) => Arc::new(executable),
             Err(error) => return Some(Err(error.locate(program))),
         };
-        let alone = (0..3).all(|axis| !executable.reads_global(axis));
-        let differs = |axis: &usize| size[*axis] > 1 || executable.reads_local(*axis) || executable.reads_global(*axis);
+        let named = executable.named_groups();
+        let reads_global = |axis: usize| executable.reads_global(axis) || named[axis] > 1;
+        let alone = !(0..3).any(reads_global);
+        let differs = |axis: &usize| size[*axis] > 1 || executable.reads_local(*axis) || reads_global(*axis);
         // Along an axis of which workgroups ask nothing, one is dispatched: all of them would do the same.
-        let axes = (0..3).filter(differs).filter(|&axis| alone || executable.reads_global(axis)).collect();
+        let axes = (0..3).filter(differs).filter(|&axis| alone || reads_global(axis)).collect();
         let (depends, uses) = (executable.depends(), executable.uses());
         let zeroed = program.written == Written::Wgsl;
-        Some(Ok(Self { program: program.clone(), executable, size, depends, uses, axes, alone, zeroed }))
+        Some(Ok(Self { program: program.clone(), executable, size, depends, uses, axes, named, alone, zeroed }))
     }
 }

@@ -42,7 +42,10 @@ impl Met {
     /// places, and invocations meet in one memory.
     fn has_same_cause(&self, other: &Self) -> bool {
         let (own, their) = (&self.incident, &other.incident);
-        if own.what != their.what || self.doubtful != other.doubtful || self.harmless != other.harmless {
+        if own.what != their.what
+            || (self.doubtful, self.harmless) != (other.doubtful, other.harmless)
+            || self.scenario.turns != other.scenario.turns
+        {
             return false;
         }
         let within = |incident: &Incident| incident.other.map(|party| party.group == incident.who.group);
@@ -51,7 +54,7 @@ impl Met {
                 let at = |incident: &Incident| (incident.who.group, incident.who.local, incident.index);
                 at(own) == at(their) && self.length == other.length && self.guarded == other.guarded
             }
-            Wrong::Race | Wrong::Unordered | Wrong::SameValue => {
+            Wrong::Race | Wrong::Unordered | Wrong::SameValue | Wrong::LostUpdate | Wrong::Relaxed => {
                 own.memory == their.memory && within(own) == within(their)
             }
             Wrong::Unwritten => own.memory == their.memory,
@@ -62,9 +65,9 @@ impl Met {
 
 /// What a dispatch says of all that is met in it.
 #[derive(Clone, Copy, Default)]
-struct Said {
-    harmless: bool,
-    degenerate: bool,
+pub(super) struct Said {
+    pub harmless: bool,
+    pub degenerate: bool,
 }
 
 /// Dispatches a stage in many sizes, and adds what is found to its report. `command` shows it again.
@@ -111,12 +114,14 @@ pub fn run(subject: &Dispatched, command: &str, report: &mut FunctionReport) {
         }
     }
     without_value(subject, &lengths, &mut met, report);
+    let ordered = super::orders::run(subject, &lengths, &mut met, report, command);
     met.iter_mut().for_each(|met| met.doubtful = subject.is_doubtful(met, &lengths));
     let mut found = by_cause(subject, &met, command);
     found.extend(endless.iter().map(|(hazard, scenario)| subject.told_endless(hazard, scenario, command)));
     let all = report.dispatches;
     found.extend(cut_off.map(|(count, scenario)| subject.told_cut_off(count, all, &scenario, command)));
     found.extend(unknown);
+    found.extend(ordered);
     found.extend(subject.told_width(&lengths, command));
     report.findings.extend(found);
     report.findings.sort_by_key(|finding| (finding.severity, finding.kind));
@@ -175,7 +180,7 @@ fn without_value(subject: &Dispatched, lengths: &[Length], met: &mut Vec<Met>, r
 
 /// WGSL bounds loads: what they give outside matters where it gets into a buffer. `select` evaluates both of its values,
 /// so that `select(0u, sums[i - 1u], i > 0u)` is a load outside that has no say.
-fn is_same_whatever_is_outside(subject: &Dispatched, scenario: &Scenario, outcome: &Outcome) -> bool {
+pub(super) fn is_same_whatever_is_outside(subject: &Dispatched, scenario: &Scenario, outcome: &Outcome) -> bool {
     let outside = |incident: &Incident| incident.what == Wrong::Outside && incident.who.access == Access::Read;
     if !outcome.incidents.iter().any(outside) {
         return true;
@@ -185,7 +190,7 @@ fn is_same_whatever_is_outside(subject: &Dispatched, scenario: &Scenario, outcom
     (0..outcome.contents.len()).filter(|&k| storage(k)).all(|k| outcome.contents[k] == other.contents[k])
 }
 
-fn note(
+pub(super) fn note(
     subject: &Dispatched,
     met: &mut Vec<Met>,
     incident: Incident,
@@ -197,6 +202,9 @@ fn note(
     let unknown = |k: u32| open(k) && matches!(lengths.get(k as usize), Some(Length::Unknown(_)));
     // Of an array whose length nobody knows, no index is outside.
     if incident.what == Wrong::Outside && incident.memory.is_some_and(unknown) {
+        return;
+    }
+    if incident.what == Wrong::LostUpdate && !subject.loses_updates(&incident) {
         return;
     }
     match met.iter_mut().find(|own| own.incident.is_same(&incident)) {

@@ -1,7 +1,7 @@
 //! A dispatch as a suite states it: whether its invocations get in each other's way with the contents that it gives buffers.
 
 use base::value::Batch;
-use program::interp::group::{Buffer, Space, WIDTH, Wrong};
+use program::interp::group::{Buffer, Space, Turns, WIDTH, Wrong};
 use program::{Form, Kernel, Program};
 
 use super::Dispatched;
@@ -36,6 +36,7 @@ pub fn open_meaning(author: &Program, kernel: &Kernel, batch: &Batch) -> Result<
             settings: Vec::new(),
             surplus: 0,
             subgroup: WIDTH,
+            turns: Turns::default(),
             contents,
         };
         let outcome = subject.play(&scenario, 0);

@@ -23,13 +23,19 @@ impl Dispatched {
         .map(|site| self.depends.of(site));
         let kind = match incident.what {
             Wrong::Outside => FuzzFindingKind::Index,
-            Wrong::Race | Wrong::Unordered | Wrong::SameValue => FuzzFindingKind::Race,
+            Wrong::Race | Wrong::Unordered | Wrong::SameValue | Wrong::LostUpdate | Wrong::Relaxed => {
+                FuzzFindingKind::Race
+            }
             Wrong::Divergence | Wrong::Apart => FuzzFindingKind::Divergence,
             Wrong::Unwritten => FuzzFindingKind::Unset,
             Wrong::NotANumber => FuzzFindingKind::NoValue,
         };
         let severity = self.severity(met, shape, sources);
-        let message = self.message(met, shape);
+        let mut message = self.message(met, shape);
+        if (incident.what, severity) == (Wrong::Race, Severity::Warning) {
+            message += &self.told_condition(incident);
+        }
+        message += &met.scenario.told_order();
         self.finding(kind, severity, message, Some(incident.who.site), (incident.count, &met.scenario), command)
     }
 
@@ -74,8 +80,9 @@ impl Dispatched {
         let certain = sources.iter().all(|sources| sources.is_empty());
         let by_contents = sources.iter().any(storage);
         // Two writes meet where indices repeat, which they may never do; who reads what another one writes waits for it.
-        let mixed =
-            incident.other.is_some_and(|other| (incident.who.access, other.access) != (Access::Write, Access::Write));
+        let meeting = self.meeting(incident);
+        let mixed = meeting.mixed;
+        let whatever = self.is_met_whatever(&meeting, by_contents);
         let shared = shape.is_some_and(|shape| shape.space == Space::Workgroup);
         match incident.what {
             Wrong::SameValue => Severity::Note,
@@ -84,7 +91,11 @@ impl Dispatched {
             Wrong::Apart if self.program.file.text().contains("subgroup_uniformity") => Severity::Note,
             Wrong::Outside => self.severity_outside(met, shape, certain, by_contents),
             // Devices of today see `coherent` memory behind any barrier, and whoever writes the word means that.
-            Wrong::Unordered if self.program.file.text().contains("coherent") || !fixed => Severity::Note,
+            Wrong::Unordered if self.program.file.text().contains("coherent") => Severity::Note,
+            Wrong::Unordered if certain || whatever => Severity::Finding,
+            Wrong::Unordered if !fixed => Severity::Note,
+            Wrong::LostUpdate => Severity::Finding,
+            Wrong::Relaxed => Severity::Warning,
             // With random numbers, it is more often a whole number of the host that is guessed wrong.
             Wrong::NotANumber if self.has_matrices() => Severity::Note,
             Wrong::NotANumber if !matches!(met.scenario.contents, Contents::Equal | Contents::Zero) => Severity::Note,
@@ -92,6 +103,7 @@ impl Dispatched {
             _ if certain => Severity::Finding,
             // Where all invocations take one branch, nobody is missing.
             Wrong::Divergence | Wrong::Apart if !by_contents => Severity::Finding,
+            Wrong::Race if whatever => Severity::Finding,
             Wrong::Race | Wrong::Unwritten if shared && (fixed || !by_contents) => Severity::Finding,
             Wrong::Divergence | Wrong::Apart | Wrong::Unwritten => Severity::Warning,
             Wrong::Race if shared || !by_contents || mixed => Severity::Warning,
@@ -189,6 +201,18 @@ impl Dispatched {
                      this memory, {barrier} does"
                 )
             }
+            (Wrong::LostUpdate, Some(other)) => format!(
+                "lost update of {place}: {who} stores what comes of its load, and {} stored{} since: that is undone",
+                self.invocation(other, groups),
+                self.at(other.site)
+            ),
+            (Wrong::Relaxed, Some(other)) => format!(
+                "{who} reads {place}, which {} writes{} before an atomic function: atomic functions order no other memory \
+                 between workgroups, and no {} lies before it",
+                self.invocation(other, groups),
+                self.at(other.site),
+                self.barrier_for(shape)
+            ),
             (Wrong::SameValue, Some(other)) => {
                 let other = self.invocation(other, groups);
                 format!("{who} and {other} write the same value to {place}, with nothing between")
@@ -201,7 +225,9 @@ impl Dispatched {
                 format!("{who} writes NaN to {place}, though nothing that it may read is NaN or infinite: {held}")
             }
             (Wrong::Unwritten, _) => format!("{who} reads {place}, to which nobody has written"),
-            (Wrong::Race | Wrong::Unordered | Wrong::SameValue, None) => format!("{who} meets another one at {place}"),
+            (Wrong::Race | Wrong::Unordered | Wrong::SameValue | Wrong::LostUpdate | Wrong::Relaxed, None) => {
+                format!("{who} meets another one at {place}")
+            }
             (Wrong::Apart, Some(other)) => format!(
                 "{who} does not reach this operation of its subgroup, in which {} is",
                 self.invocation(other, groups)

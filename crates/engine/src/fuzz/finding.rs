@@ -56,6 +56,8 @@ pub enum FuzzFindingKind {
     Divergence,
     /// What a dispatch gives depends on how many invocations make a subgroup.
     SubgroupWidth,
+    /// What a dispatch gives depends on the order in which invocations come to atomic functions.
+    Order,
     /// Rounding is enlarged so much that an output has few right digits.
     IllConditioned,
     /// An output crosses zero, where no formula keeps all of its digits.
@@ -103,6 +105,7 @@ impl FuzzFindingKind {
             Self::Race => "race",
             Self::Divergence => "divergence",
             Self::SubgroupWidth => "subgroup_width",
+            Self::Order => "order",
             Self::IllConditioned => "ill_conditioned",
             Self::ZeroCrossing => "zero_crossing",
             Self::TooLarge => "too_large",
@@ -118,7 +121,7 @@ impl FuzzFindingKind {
         match self {
             Self::LaneDeviation | Self::NotDeterministic | Self::Disturbed | Self::LaneFailed => Severity::Finding,
             // Dispatches are judged where they are run.
-            Self::Race | Self::Divergence | Self::SubgroupWidth => Severity::Finding,
+            Self::Race | Self::Divergence | Self::SubgroupWidth | Self::Order => Severity::Finding,
             Self::NoValue
             | Self::Infinite
             | Self::Overflow

@@ -100,6 +100,7 @@ pub(super) fn message(named: &Named, shown: &str) -> String {
         | FuzzFindingKind::Race
         | FuzzFindingKind::Divergence
         | FuzzFindingKind::SubgroupWidth
+        | FuzzFindingKind::Order
         | FuzzFindingKind::MediumpOverflow
         | FuzzFindingKind::MediumpUnderflow
         | FuzzFindingKind::MediumpDigits => named.kind.name().to_owned(),

@@ -13,6 +13,25 @@ impl<'e, D: InMemory> Workgroup<'e, '_, D> {
     pub(super) fn access(&mut self, access: &'e MemoryAccess) {
         self.notice_doubts();
         let (count, order) = (self.machines.len(), self.dispatch.order);
+        if let Some(turns) = self.turns.take() {
+            let loads = if let MemoryOp::Load(parts) = &access.op { Some(parts) } else { None };
+            if let Some(parts) = loads {
+                (0..count).filter(|&k| !self.machines[k].active.is_empty()).collect::<Vec<_>>().into_iter().for_each(
+                    |k| {
+                        self.load(access, k, parts);
+                    },
+                );
+            }
+            let places = turns.iter().map(|local| (local / SLOTS, local % SLOTS));
+            for (k, slot) in places.filter(|_| loads.is_none()) {
+                if self.machines[k].active.has(slot) {
+                    let place = self.place(access, k, slot);
+                    self.one(access, k, slot, place);
+                }
+            }
+            self.turns = Some(turns);
+            return;
+        }
         for k in (0..count).map(|k| placed(k, count, order)) {
             let active = self.machines[k].active;
             if active.is_empty() {
@@ -45,6 +64,9 @@ impl<'e, D: InMemory> Workgroup<'e, '_, D> {
                 if let Some(word) = word {
                     self.unwritten(access, k, slot, word);
                     self.touch(access, k, slot, word, touch, Effect::Kept);
+                    if access.atomic && self.contents[memory].is_watched() {
+                        self.log.looked((access.memory, word), (self.number, (k * SLOTS + slot) as u32));
+                    }
                     if self.contents[memory].is_open(word) {
                         open.insert(slot);
                     }
@@ -59,7 +81,14 @@ impl<'e, D: InMemory> Workgroup<'e, '_, D> {
                         reals += 1;
                     }
                     File::Word => {
-                        let bits = word.map_or(outside, |word| contents.bits(word));
+                        let ahead = self
+                            .dispatch
+                            .turns
+                            .ahead
+                            .filter(|&local| access.atomic && local as usize == k * SLOTS + slot);
+                        let early =
+                            word.zip(ahead).and_then(|(word, local)| self.early.load((access.memory, word), local));
+                        let bits = early.unwrap_or_else(|| word.map_or(outside, |word| contents.bits(word)));
                         let bits = if to.scalar == Scalar::Bool { u32::from(bits != 0) } else { bits };
                         self.machines[k].words[to.reg as usize][slot] = bits;
                     }
@@ -185,7 +214,10 @@ impl<'e, D: InMemory> Workgroup<'e, '_, D> {
                 Some((sum, own)) if hit => {
                     self.contents[memory].combine(&self.machines[k].domain, sum, (word, own), open);
                 }
-                _ => self.contents[memory].set_bits(word, new, open),
+                _ => {
+                    self.contents[memory].set_bits(word, new, open);
+                    self.changed(access, k, slot, word, (old, new));
+                }
             }
             if open && before.is_some() {
                 let mut only = Mask::NONE;
@@ -217,6 +249,9 @@ impl<'e, D: InMemory> Workgroup<'e, '_, D> {
             return;
         }
         let touch = if access.atomic { Access::Atomic } else { Access::Write };
+        if access.atomic {
+            self.stores_atomically(access, k, slot, word);
+        }
         // Whoever stores atomically means the value to stand, also where it was there before.
         let effect = |changes: bool| if changes || access.atomic { Effect::Replaced } else { Effect::Kept };
         let open = self.is_open(memory, k, slot);
@@ -234,10 +269,31 @@ impl<'e, D: InMemory> Workgroup<'e, '_, D> {
             }
             File::Word => {
                 let bits = self.machines[k].words[from.reg as usize][slot];
-                let changes = bits != self.contents[memory].bits(word);
-                self.touch(access, k, slot, word, touch, effect(changes));
+                let before = self.contents[memory].bits(word);
+                self.touch(access, k, slot, word, touch, effect(bits != before));
                 self.contents[memory].set_bits(word, bits, open);
+                if access.atomic {
+                    self.changed(access, k, slot, word, (before, bits));
+                }
             }
+        }
+    }
+
+    /// Notes what an atomic function left, for one that runs ahead of it.
+    #[inline]
+    fn changed(&mut self, access: &MemoryAccess, k: usize, slot: usize, word: usize, change: (u32, u32)) {
+        if let Some(ahead) = self.dispatch.turns.ahead.filter(|_| change.0 != change.1) {
+            self.early.changed((access.memory, word), change, (k * SLOTS + slot) as u32, ahead);
+        }
+    }
+
+    /// Notes an atomic store that undoes what another invocation stored since this one looked.
+    fn stores_atomically(&mut self, access: &MemoryAccess, k: usize, slot: usize, word: usize) {
+        let contents = &self.contents[access.memory as usize];
+        if contents.is_watched() {
+            let local = (k * SLOTS + slot) as u32;
+            let who = Party { group: self.number, local, access: Access::Atomic, site: access.site };
+            self.log.stored((access.memory, word), who, contents.space);
         }
     }
 

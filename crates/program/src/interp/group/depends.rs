@@ -4,8 +4,8 @@ use std::collections::{HashMap, HashSet};
 
 use naga::BuiltIn;
 
-use super::super::code::{Constant, Executable, File, Inst, Reg, Touch};
-use super::super::domain::Site;
+use super::super::code::{Constant, Executable, Field, File, Inst, Reg, TEMPORARY, Touch, Word2};
+use super::super::domain::{Binary, Site};
 use super::access::{Extent, MemoryAccess, MemoryOp, Step};
 use super::shape::Space;
 
@@ -13,24 +13,37 @@ use super::shape::Space;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sources {
     contents: u64,
+    /// Of these, the ones that have a say as they are: see [`Sources::is_folded`].
+    raw: u64,
     sizes: u64,
+    /// Memories whose atomic numbers have a say.
+    atomics: u64,
     /// What invocations of a workgroup collected has a say.
     collected: bool,
 }
 
 impl Sources {
     fn one(memory: u32) -> Self {
-        Self { contents: 1 << memory.min(63), ..Self::default() }
+        let bit = 1 << memory.min(63);
+        Self { contents: bit, raw: bit, ..Self::default() }
+    }
+
+    fn atomic(memory: u32) -> Self {
+        Self { atomics: 1 << memory.min(63), ..Self::default() }
     }
 
     fn size(memory: u32) -> Self {
         Self { sizes: 1 << memory.min(63), ..Self::default() }
     }
 
-    fn or(self, other: Self) -> Self {
+    /// What either has a say in.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
         Self {
             contents: self.contents | other.contents,
+            raw: self.raw | other.raw,
             sizes: self.sizes | other.sizes,
+            atomics: self.atomics | other.atomics,
             collected: self.collected | other.collected,
         }
     }
@@ -43,6 +56,22 @@ impl Sources {
     /// True when the contents of a memory have a say.
     pub fn has(self, memory: usize) -> bool {
         self.contents >> memory.min(63) & 1 == 1
+    }
+
+    /// True where contents have a say and all of them were brought down to a few numbers, as by `% 16u`, or rounded from a
+    /// product of real numbers: whatever they are, indices that come of them repeat. A permutation is none of these.
+    pub fn is_folded(self) -> bool {
+        self.contents != 0 && self.raw == 0
+    }
+
+    /// True when an atomic number of any memory has a say, that of a workgroup too.
+    pub fn is_by_atomics(self) -> bool {
+        self.atomics != 0
+    }
+
+    /// True when an atomic number of a memory has a say.
+    pub fn has_atomic(self, memory: usize) -> bool {
+        self.atomics >> memory.min(63) & 1 == 1
     }
 
     /// True when the memory of a workgroup has a say, in which its invocations collect sums and the like.
@@ -61,6 +90,9 @@ impl Sources {
 pub struct Depends {
     sites: HashMap<Site, (Sources, Sources)>,
     values: HashMap<Site, Sources>,
+    /// Where places lead, and what is written there, without the conditions under which that was computed.
+    aims: HashMap<Site, Sources>,
+    carried: HashMap<Site, Sources>,
 }
 
 impl Depends {
@@ -73,6 +105,16 @@ impl Depends {
     /// What has a say in what is written there, and in whether it is.
     pub fn value(&self, site: Site) -> Sources {
         self.values.get(&site).copied().unwrap_or_default()
+    }
+
+    /// What an index is computed from. A guard around that has no say, in contrast to [`Depends::leads`].
+    pub fn aims(&self, site: Site) -> Sources {
+        self.aims.get(&site).copied().unwrap_or_default()
+    }
+
+    /// What a value that is written is computed from, without the conditions around.
+    pub fn carried(&self, site: Site) -> Sources {
+        self.carried.get(&site).copied().unwrap_or_default()
     }
 
     /// What decides over where it leads, once it is reached.
@@ -102,6 +144,11 @@ impl Uses {
         self.indexed.contains(&memory) || self.names(memory, word)
     }
 
+    /// True for a memory that is read by an index: it holds data, and not only numbers of the host.
+    pub fn is_indexed(&self, memory: u32) -> bool {
+        self.indexed.contains(&memory)
+    }
+
     /// True for a word of a memory that an instruction reads by its name, and not by an index.
     pub fn names(&self, memory: u32, word: u32) -> bool {
         self.words.contains(&(memory, word))
@@ -117,19 +164,35 @@ struct DependencePass {
     sites: HashMap<Site, (Sources, Sources)>,
     values: HashMap<Site, Sources>,
     changed: bool,
+    /// Conditions have no say in what is computed under them, only in what a variable holds behind them.
+    plain: bool,
+    /// Loops and calls around, behind which those go on that left them early.
+    within: u32,
+    constants: HashMap<Reg, u32>,
 }
 
 impl Executable {
     /// What each place depends on.
     pub fn depends(&self) -> Depends {
-        let mut pass = DependencePass::default();
+        let DependencePass { sites, values, .. } = self.dependences(false);
+        let DependencePass { sites: aims, values: carried, .. } = self.dependences(true);
+        let aims = aims.into_iter().map(|(site, (leads, _))| (site, leads)).collect();
+        Depends { sites, values, aims, carried }
+    }
+
+    fn dependences(&self, plain: bool) -> DependencePass {
+        let constants = self.constants.iter().filter_map(|constant| match constant {
+            Constant::Word { to, value } => Some((*to, *value)),
+            Constant::Real { .. } => None,
+        });
+        let mut pass = DependencePass { plain, constants: constants.collect(), ..DependencePass::default() };
         let mut body = self.draft.body.clone();
         loop {
             pass.changed = false;
             pass.left = Sources::default();
             pass.block(self, &mut body, Sources::default());
             if !pass.changed {
-                return Depends { sites: pass.sites, values: pass.values };
+                return pass;
             }
         }
     }
@@ -278,8 +341,9 @@ impl DependencePass {
     }
 
     fn step(&mut self, executable: &Executable, inst: &mut Inst, around: Sources) {
-        let here = around.or(self.left);
-        let mut read = here;
+        // Whoever left for good comes to nothing that is behind it.
+        let here = if self.plain && self.within == 0 { around } else { around.or(self.left) };
+        let mut read = if self.plain && !sets_variable(inst) { Sources::default() } else { here };
         inst.registers(&mut |touch, file, reg| {
             if touch == Touch::Read {
                 read = read.or(self.of(file, *reg));
@@ -306,6 +370,9 @@ impl DependencePass {
                     *value = value.or(read);
                 }
                 given = given.or(self.contents.get(&access.memory).copied().unwrap_or_default());
+                if access.atomic {
+                    given = given.or(Sources::atomic(access.memory));
+                }
                 given = given.or(match space {
                     Some(Space::Workgroup) => Sources { collected: true, ..Sources::default() },
                     _ => Sources::one(access.memory),
@@ -316,7 +383,7 @@ impl DependencePass {
             Inst::Barrier { site, .. } => self.note(*site, Sources::default(), here),
             Inst::Subgroup(inst) => self.note(inst.site, Sources::default(), here),
             Inst::Loop { site, .. } => self.note(*site, Sources::default(), here),
-            _ => {}
+            _ => given.raw = self.raw(inst, given),
         }
         inst.registers(&mut |touch, file, reg| {
             if touch == Touch::Write {
@@ -345,8 +412,10 @@ impl DependencePass {
             Inst::Loop { body, continuing, .. } => {
                 // All invocations that do not return get behind the loop.
                 let before = self.left;
+                self.within += 1;
                 self.block(executable, body, here);
                 self.block(executable, continuing, here);
+                self.within -= 1;
                 if !returns(body) {
                     self.left = before;
                 }
@@ -354,7 +423,9 @@ impl DependencePass {
             Inst::Call { body } => {
                 // Who returns early from a function goes on behind its call.
                 let before = self.left;
+                self.within += 1;
                 self.block(executable, body, here);
+                self.within -= 1;
                 let after = std::mem::replace(&mut self.left, before);
                 if ends(body) {
                     self.left = after;
@@ -367,6 +438,42 @@ impl DependencePass {
     fn leave(&mut self, sources: Sources) {
         self.left = self.left.or(sources);
     }
+
+    /// Which memories still have a say as they are in what an instruction makes of `given`: see [`Sources::is_folded`].
+    fn raw(&self, inst: &Inst, given: Sources) -> u64 {
+        let constant = |reg: &Reg| self.constants.get(reg).copied();
+        let few = |reg: &Reg, more: u32| constant(reg).is_some_and(|value| value < FEW + more);
+        let folds = match inst {
+            Inst::Word2 { op, a, b, .. } => match op {
+                Word2::And | Word2::MinUnsigned => few(a, 0) || few(b, 0),
+                Word2::RemainderUnsigned | Word2::RemainderSigned => few(b, 1),
+                Word2::ShiftRightUnsigned => {
+                    constant(b).is_some_and(|by| (1 << (by & 31)) >= (1_u64 << 32) / u64::from(FEW))
+                }
+                _ => {
+                    // Two numbers beside each other make one with more values.
+                    let both = [a, b].map(|reg| self.of(File::Word, *reg).contents != 0) == [true; 2];
+                    return if both { given.contents } else { given.raw };
+                }
+            },
+            Inst::Field { op: Field::ExtractUnsigned, args, .. } => {
+                constant(&args[2]).is_some_and(|count| 1 << count.min(31) <= FEW)
+            }
+            Inst::Real2 { op: Binary::Multiply | Binary::Divide, .. } => true,
+            _ => false,
+        };
+        if folds { 0 } else { given.raw }
+    }
+}
+
+/// Values of a number at most that is no index of many elements.
+const FEW: u32 = 256;
+
+/// True for an instruction that leaves a value in a variable, which may be read behind the conditions around it.
+fn sets_variable(inst: &mut Inst) -> bool {
+    let mut sets = false;
+    inst.registers(&mut |touch, _, reg| sets |= touch == Touch::Write && *reg < TEMPORARY);
+    sets
 }
 
 /// True for a load of the size in front of an image that lies in a buffer.

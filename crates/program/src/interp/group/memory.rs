@@ -22,6 +22,11 @@ pub enum Wrong {
     SameValue,
     /// Two invocations touch one word, one of them writes, and the barrier between them orders other memories alone.
     Unordered,
+    /// Two invocations load a word by atomic functions and store there what may come of it: one undoes what the other did.
+    LostUpdate,
+    /// A workgroup touches what another one wrote before an atomic function, and the barrier is missing that orders that write
+    /// before it.
+    Relaxed,
     /// A barrier that some invocations of the workgroup do not reach.
     Divergence,
     /// An operation of a subgroup that some of its invocations do not reach.
@@ -301,6 +306,9 @@ impl<D: InMemory> Contents<D> {
     }
 }
 
+/// A memory, and a word of it counted from its beginning.
+pub(super) type Word = (u32, usize);
+
 /// What invocations did to each other in one dispatch.
 #[derive(Default)]
 pub(super) struct Log {
@@ -308,6 +316,12 @@ pub(super) struct Log {
     time: u64,
     /// For each workgroup, when it last used an atomic function on memory that other workgroups see.
     atomics: HashMap<u32, u64>,
+    /// For each workgroup, when it last came to a barrier or a fence that orders buffers or images.
+    fences: HashMap<u32, u64>,
+    /// When an invocation last looked at a word by an atomic load; by memory and word, then workgroup and invocation.
+    looks: HashMap<(Word, (u32, u32)), u64>,
+    /// Who stored a word last by an atomic function, when, and whether it had looked at it before.
+    stores: HashMap<Word, (Party, u64, bool)>,
     incidents: Vec<Incident>,
 }
 
@@ -316,6 +330,40 @@ impl Log {
         match self.incidents.iter_mut().find(|own| own.is_same(&incident)) {
             Some(own) => own.count += incident.count,
             None => self.incidents.push(incident),
+        }
+    }
+
+    /// A workgroup came to a barrier or a fence.
+    pub(super) fn fenced(&mut self, group: u32, orders: Barrier) {
+        if orders.intersects(Barrier::STORAGE | Barrier::TEXTURE) {
+            self.fences.insert(group, self.time);
+        }
+    }
+
+    /// An invocation looks at a word by an atomic load.
+    pub(super) fn looked(&mut self, word: Word, who: (u32, u32)) {
+        self.looks.insert((word, who), self.time);
+    }
+
+    /// An atomic store. In the interleaving at hand, another invocation stored since this one looked; between workgroups,
+    /// which run one after the other, it could have in a memory that they share. Whether the stored value comes of what was
+    /// seen, the text says.
+    pub(super) fn stored(&mut self, word: Word, who: Party, space: Space) {
+        let look = self.looks.remove(&(word, (who.group, who.local)));
+        let before = self.stores.insert(word, (who, self.time, look.is_some()));
+        let (Some(look), Some((other, time, looked))) = (look, before) else { return };
+        let another = (other.group, other.local) != (who.group, who.local);
+        let apart = other.group != who.group;
+        if another && (time >= look || (apart && looked)) && !(apart && space == Space::Workgroup) {
+            self.report(Incident {
+                what: Wrong::LostUpdate,
+                memory: Some(word.0),
+                word: u32::try_from(word.1).ok(),
+                index: None,
+                who,
+                other: Some(other),
+                count: 1,
+            });
         }
     }
 
@@ -349,7 +397,8 @@ impl Log {
         }
         let kind = contents.ordered_by();
         let history = &mut contents.history[word];
-        let meets = |before: &Option<Touched>| {
+        let mut relaxed = None;
+        let mut meets = |before: &Option<Touched>| {
             before.filter(|before| {
                 let undoes = matches!(
                     (before.effect, effect),
@@ -360,13 +409,32 @@ impl Log {
                 let own = same && before.party.local == party.local;
                 let ordered =
                     same && (epochs.order(before.epoch.barriers, kind) || before.epoch.is_within_subgroup(epoch));
-                !own && !both && !ordered && (same || !self.is_passed_on(before, party.group))
+                if own || both || ordered {
+                    return false;
+                }
+                let passed_on = !same && self.is_passed_on(before, party.group);
+                let fenced = || self.fences.get(&before.party.group).is_some_and(|&time| time >= before.time);
+                if passed_on && before.party.access == Access::Write && party.access == Access::Read && !fenced() {
+                    relaxed = Some(before.party);
+                }
+                !passed_on
             })
         };
         let writes = party.access != Access::Read;
         let mut met = meets(&history.write);
         if writes {
-            met = met.or_else(|| history.reads.iter().find_map(meets));
+            met = met.or_else(|| history.reads.iter().find_map(&mut meets));
+        }
+        if let Some(other) = relaxed {
+            self.report(Incident {
+                what: Wrong::Relaxed,
+                memory: Some(index),
+                word: u32::try_from(word).ok(),
+                index: None,
+                who: party,
+                other: Some(other),
+                count: 1,
+            });
         }
         if let Some(before) = met {
             let plain = before.party.access == Access::Write && party.access == Access::Write;

@@ -18,11 +18,13 @@ mod contents;
 mod depends;
 mod epochs;
 mod memory;
+mod results;
 mod shape;
 mod subgroup;
 #[cfg(test)]
 mod tests;
 mod texels;
+mod turns;
 mod whole;
 
 use naga::BuiltIn;
@@ -42,12 +44,14 @@ pub use memory::{Access, Incident, Party, Wrong};
 pub use shape::{Array, Leaf, MemoryShape, Space};
 pub use subgroup::WIDTH;
 pub use texels::{Channel, Texels};
+pub use turns::{Turn, Turns};
 pub use whole::{Ran, Whole};
 
 pub(super) use access::{Combine, Extent, MemoryAccess, MemoryOp, Step};
 use epochs::Epochs;
 use memory::{Contents, Epoch, Log};
 pub(super) use subgroup::{Fold, From, Subgroup, SubgroupOp};
+use turns::Early;
 
 /// A dispatch.
 #[derive(Clone, Debug)]
@@ -70,6 +74,8 @@ pub struct Dispatch<'b> {
     pub watched: bool,
     /// Another order of the workgroups, and of the invocations of each at its memory, for each number; 0 for theirs.
     pub order: u64,
+    /// An order in which who comes first says more than by `order`.
+    pub turns: Turns,
     /// Invocations of a subgroup: a power of two, at most 128.
     pub subgroup: u32,
 }
@@ -169,13 +175,17 @@ impl Executable {
             doubted: None,
             astray: None,
             doubts_noticed: false,
+            turns: dispatch.turns.invocations.order(size as usize),
+            early: Early::default(),
         };
         let count: u32 = dispatch.groups.iter().product();
-        for k in 0..count {
+        let turns = dispatch.turns.groups.order(count as usize);
+        for k in 0..count as usize {
             if !group.goes_on() {
                 break;
             }
-            group.run(placed(k as usize, count as usize, dispatch.order) as u32);
+            let number = turns.as_ref().map_or_else(|| placed(k, count as usize, dispatch.order), |turns| turns[k]);
+            group.run(number as u32);
         }
         let whole = group.goes_on();
         let reach = group.contents.iter().map(|contents| contents.reach).collect();
@@ -237,6 +247,10 @@ struct Workgroup<'e, 'd, D: InMemory> {
     astray: Option<Vec<bool>>,
     /// It was in this workgroup.
     doubts_noticed: bool,
+    /// Its invocations in the order in which they come; `None` for that of their numbers.
+    turns: Option<Vec<usize>>,
+    /// What one that runs ahead still sees.
+    early: Early,
 }
 
 impl<'e, D: InMemory> Workgroup<'e, '_, D> {
@@ -249,6 +263,7 @@ impl<'e, D: InMemory> Workgroup<'e, '_, D> {
         self.epochs = Epochs::default();
         self.subgroup_epochs.clear();
         self.doubts_noticed = false;
+        self.early.meet();
         let size: usize = self.dispatch.size.iter().map(|&n| n as usize).product();
         for (contents, shape) in self.contents.iter_mut().zip(&self.executable.memories) {
             if shape.space == Space::Workgroup {
@@ -341,9 +356,14 @@ impl<'e, D: InMemory> Workgroup<'e, '_, D> {
             Inst::Barrier { orders, .. } if *orders == naga::Barrier::SUB_GROUP => self.barrier_of_subgroups(),
             Inst::Barrier { orders, site } => {
                 self.epochs.pass(*orders);
+                self.early.meet();
+                self.log.fenced(self.number, *orders);
                 self.barrier(*site);
             }
-            Inst::Fence { orders } => self.epochs.fence(*orders),
+            Inst::Fence { orders } => {
+                self.epochs.fence(*orders);
+                self.log.fenced(self.number, *orders);
+            }
             Inst::Subgroup(inst) => self.subgroup(inst),
             Inst::If { condition, accept, reject } => {
                 let before = self.masks();

@@ -2,7 +2,7 @@
 
 use super::super::tests::wgsl;
 use super::super::{Executable, Subject};
-use super::{Access, Buffer, Dispatch, Outcome, Wrong};
+use super::{Access, Buffer, Dispatch, Outcome, Turn, Turns, Wrong};
 use crate::Entry;
 use naga::{AddressSpace, Binding};
 
@@ -13,6 +13,11 @@ fn run(text: &str, words: u32, zeroed: bool) -> Outcome {
 
 /// The same with so many invocations in a subgroup.
 fn run_in(text: &str, words: u32, zeroed: bool, subgroup: u32) -> Outcome {
+    run_with(text, words, zeroed, |dispatch| dispatch.subgroup = subgroup)
+}
+
+/// The same with further choices.
+fn run_with(text: &str, words: u32, zeroed: bool, choose: impl FnOnce(&mut Dispatch<'_>)) -> Outcome {
     let (module, info) = wgsl(text);
     let shared: Vec<_> = module
         .global_variables
@@ -48,7 +53,7 @@ fn run_in(text: &str, words: u32, zeroed: bool, subgroup: u32) -> Outcome {
     };
     let buffers: Vec<Buffer> = executable.memories().iter().map(buffer).collect();
     let size = point.workgroup_size;
-    executable.dispatch::<f32>(&Dispatch {
+    let mut dispatch = Dispatch {
         size,
         groups: [2, 1, 1],
         buffers: &buffers,
@@ -58,8 +63,11 @@ fn run_in(text: &str, words: u32, zeroed: bool, subgroup: u32) -> Outcome {
         work: 100_000,
         watched: true,
         order: 0,
-        subgroup,
-    })
+        turns: Turns::default(),
+        subgroup: super::WIDTH,
+    };
+    choose(&mut dispatch);
+    executable.dispatch::<f32>(&dispatch)
 }
 
 const HEAD: &str = "@group(0) @binding(0) var<storage, read_write> a: array<u32>;
@@ -110,6 +118,17 @@ fn each_fault_is_found_and_its_twin_is_silent() {
             "atomicAdd(&v, 1u); if (l == 0u) { atomicStore(&v, 0u); }",
             "if (l == 0u) { atomicStore(&v, 0u); } atomicMax(&v, 0u);",
         ),
+        // Between a load and the store of what comes of it, others store.
+        (
+            Wrong::LostUpdate,
+            "atomicAdd(&v, 0u); workgroupBarrier(); atomicStore(&v, atomicLoad(&v) + 1u);",
+            "if (l == 0u) { atomicStore(&v, 0u); atomicStore(&v, atomicLoad(&v) + 1u); }",
+        ),
+        (
+            Wrong::LostUpdate,
+            "if (l == 7u) { atomicStore(&n, atomicLoad(&n) + 1u); }",
+            "if (id.x == 7u) { atomicStore(&n, atomicLoad(&n) + 1u); }",
+        ),
         (Wrong::SameValue, "a[0] = 5u;", "if (id.x == 0u) { a[0] = 5u; }"),
         (Wrong::Outside, "a[id.x + 1u] = 1u;", "a[id.x] = 1u;"),
         (Wrong::Outside, "w[l + 1u] = 1u;", "if (l < 199u) { w[l + 1u] = 1u; }"),
@@ -142,9 +161,52 @@ fn the_memory_of_a_workgroup_begins_with_zeros_in_wgsl() {
 fn what_another_workgroup_was_told_of_by_an_atomic_is_no_race() {
     let told = "if (g.x == 0u && l == 0u) { a[7] = 3u; atomicStore(&n, 1u); }
         if (g.x == 1u && l == 0u) { let flag = atomicLoad(&n); if (flag == 1u) { a[8] = a[7]; } }";
-    assert_eq!(found(told, false), []);
+    // An atomic function orders no other memory, unless a barrier does before it.
+    assert_eq!(found(told, false), [Wrong::Relaxed]);
+    let ordered = told.replace(
+        "if (g.x == 0u && l == 0u) { a[7] = 3u; ",
+        "if (g.x == 0u && l == 0u) { a[7] = 3u; }
+        storageBarrier(); if (g.x == 0u && l == 0u) { ",
+    );
+    assert_eq!(found(&ordered, false), []);
     let untold = "if (g.x == 0u && l == 0u) { a[7] = 3u; } if (g.x == 1u && l == 0u) { a[8] = a[7]; }";
     assert_eq!(found(untold, false), [Wrong::Race]);
+}
+
+/// What is found in an order of workgroups and invocations.
+fn found_in(body: &str, turns: Turns) -> Vec<Wrong> {
+    let outcome = run_with(&format!("{HEAD}{{ {body} }}"), 400, true, |dispatch| dispatch.turns = turns);
+    outcome.incidents.iter().map(|incident| incident.what).collect()
+}
+
+#[test]
+fn what_takes_an_order_is_found_in_it() {
+    let natural = Turns::default();
+    let (group, last) = (Turn::First(1), Turn::First(199));
+    for (turns, wrong, body, right) in [
+        (
+            Turns { invocations: last, ..natural },
+            Wrong::Race,
+            "let t = atomicAdd(&v, 1u); if (t == 0u && l == 199u) { w[0] = 7u; } if (l == 5u) { a[id.x] = w[0]; }",
+            "let t = atomicAdd(&v, 1u); if (t == 0u) { w[0] = 7u; } workgroupBarrier(); if (l == 5u) { a[id.x] = w[0]; }",
+        ),
+        (
+            Turns { groups: group, ..natural },
+            Wrong::Outside,
+            "let t = atomicAdd(&n, 1u); if (t == 0u && g.x == 1u) { a[400] = l; }",
+            "let t = atomicAdd(&n, 1u); if (t == 0u && g.x == 1u) { a[399] = l; }",
+        ),
+        (
+            Turns { ahead: Some(0), ..natural },
+            Wrong::Divergence,
+            "atomicAdd(&v, 1u); if (atomicLoad(&v) < 200u) { workgroupBarrier(); }",
+            "atomicAdd(&v, 1u); workgroupBarrier(); if (atomicLoad(&v) < 200u) { workgroupBarrier(); }",
+        ),
+    ] {
+        assert_eq!(found_in(body, natural), [], "{body}");
+        assert!(found_in(body, turns).contains(&wrong), "{body}: {:?}", found_in(body, turns));
+        assert_eq!(found_in(right, turns), [], "{right}");
+    }
 }
 
 #[test]

@@ -131,6 +131,7 @@ impl Executable {
             work: WORK,
             watched: false,
             order,
+            turns: super::Turns::default(),
             subgroup: super::WIDTH,
         };
         let (Outcome { contents, findings, doubted, rounds, whole: ended, .. }, left) =
