@@ -213,11 +213,16 @@ pub(super) fn subjects(
         return Ok((Vec::new(), subjects.into_iter().chain(left_out).collect()));
     }
     let parsed = source.parsed(define);
-    let errors = parsed.diagnostics.into_iter().filter(|d| d.severity == Severity::Error);
-    let errors: Vec<Diagnostic> = errors.map(Diagnostic::at_origin).map(|d| source.explained(d)).collect();
+    let told = |errors: &mut dyn Iterator<Item = Diagnostic>| -> Vec<Diagnostic> {
+        errors.map(Diagnostic::at_origin).map(|d| source.explained(d)).collect()
+    };
+    let errors = told(&mut parsed.diagnostics.into_iter().filter(|d| d.severity == Severity::Error));
     if !errors.is_empty() {
         return Ok((errors, Vec::new()));
     }
+    // What is wrong whatever a host adds does not keep the rest from being run.
+    let errors = told(&mut source.lacking(define).into_iter());
+    let wanted = |name: &str| wanted(name) && !source.is_assumed(name);
     let subjects = fuzz::subjects(&parsed.shader, &wanted).map_err(unstated)?;
     for (_, info) in parsed.shader.functions().filter(|(_, f)| f.definition.is_some()) {
         known.push(info.name.name.clone());

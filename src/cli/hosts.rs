@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use base::text::SourceFile;
 use disk::{Budget, hosts_around};
-use engine::fuzz::{Offer, macro_name};
+use engine::completion::{Offer, macro_name};
 use hosts::defined::HostMacros;
 
 /// Words of which a file that builds shaders says at least one.

@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 
 use super::compose::Given;
 use super::hosts::Hosts;
-use base::diagnostic::Diagnostic;
+use base::diagnostic::{Diagnostic, Severity};
 use base::text::{Shown as _, SourceFile};
 use compose::LeftOut;
-use engine::fuzz::{Completed, macro_name};
+use engine::completion::{self, Completed, macro_name};
+use engine::fuzz::FunctionReport;
 use engine::suite::{Includes, Joined, read_module};
 use program::{ModuleText, ProgramError, Written};
 use syntax::{Parsed, Shader, Stage};
@@ -106,9 +107,27 @@ impl IncludedText {
 
     /// The shader; one that names no version under one that has what it uses.
     pub fn parsed(&self, defines: &[(String, String)]) -> Parsed {
-        let all: Vec<(String, String)> = defines.iter().cloned().chain(self.completed.macros()).collect();
-        let defines = &all[..];
-        let parsed = Shader::parse_with(&self.file, self.stage, defines);
+        self.parsed_with(defines, &self.completed)
+    }
+
+    /// Errors about declarations that the text lacks and for which others stand: those that no host can take away.
+    pub fn lacking(&self, defines: &[(String, String)]) -> Vec<Diagnostic> {
+        // Who puts a version in front may put more there.
+        let versioned = || Shader::parse_with(&self.file, self.stage, defines).shader.version().span.is_some();
+        if self.completed.declared.is_empty() || !versioned() {
+            return Vec::new();
+        }
+        let Parsed { shader, diagnostics } =
+            self.parsed_with(defines, &Completed { declared: Vec::new(), ..self.completed.clone() });
+        let errors: Vec<Diagnostic> = diagnostics.into_iter().filter(|d| d.severity == Severity::Error).collect();
+        let doubtful = reading::open::doubtful(&shader, &errors);
+        errors.into_iter().zip(doubtful).filter(|(_, doubtful)| !doubtful).map(|(error, _)| error).collect()
+    }
+
+    fn parsed_with(&self, defines: &[(String, String)], completed: &Completed) -> Parsed {
+        let all: Vec<(String, String)> = defines.iter().cloned().chain(completed.macros()).collect();
+        let (defines, file) = (&all[..], completed.put(&self.file));
+        let parsed = Shader::parse_with(&file, self.stage, defines);
         if parsed.shader.version().span.is_some() {
             return parsed;
         }
@@ -116,8 +135,8 @@ impl IncludedText {
         if let Some(es) = reading::es::reading(&parsed.shader) {
             return es;
         }
-        let fitted = syntax::fitting(&self.file, self.stage, defines, || None);
-        if fitted == self.file { parsed } else { Shader::parse_with(&fitted, self.stage, defines) }
+        let fitted = syntax::fitting(&file, self.stage, defines, || None);
+        if fitted == file { parsed } else { Shader::parse_with(&fitted, self.stage, defines) }
     }
 
     /// What to tell of the version that is taken for a text which names none: a compute shader, or one that asks for OpenGL ES.
@@ -189,15 +208,26 @@ impl IncludedText {
         if Written::of(&self.file) != Written::Glsl {
             return self;
         }
-        let with = |more: &[(String, String)]| self.parsed(&[defines, more].concat());
+        let with = |completed: &Completed| self.parsed_with(defines, completed);
         let stated = |name: &str| defines.iter().any(|(known, _)| macro_name(known) == macro_name(name));
         let mut offers = |names: &[String]| {
             let offers = hosts.offers(&self.path, names);
             offers.into_iter().filter(|offer| !stated(&offer.name)).collect::<Vec<_>>()
         };
-        let completed = engine::fuzz::completed(&with, &mut offers).unwrap_or_default();
+        let completed = completion::completed(&with, &mut offers).unwrap_or_default();
         let version = self.assumed_version(defines);
         Self { completed, version, ..self }
+    }
+
+    /// True for a function that stands for one that the text lacks.
+    pub fn is_assumed(&self, function: &str) -> bool {
+        self.completed.is_assumed(function)
+    }
+
+    /// What was found in a function, as far as that may rest on what is assumed: see [`Completed::soften`].
+    pub fn softened(&self, mut function: FunctionReport) -> FunctionReport {
+        self.completed.soften(&mut function);
+        function
     }
 
     /// Macros that are assumed.
@@ -208,11 +238,19 @@ impl IncludedText {
     /// What is worth knowing about where parts of the text come from, and about what is assumed.
     pub fn notes(&self) -> Vec<String> {
         let joined = self.joined.as_ref().map(Joined::notes).unwrap_or_default();
-        let Completed { assumed, taken } = &self.completed;
-        let assumed = (!assumed.is_empty()).then(|| engine::fuzz::assumption_note(assumed));
-        let taken = engine::fuzz::taken_notes(taken);
+        let Completed { assumed, taken, declared } = &self.completed;
+        let assumed = (!assumed.is_empty()).then(|| completion::assumption_note(assumed));
+        let taken = completion::taken_notes(taken);
+        let declared = completion::declared_notes(declared);
         let cycles = self.includes.cycles().to_vec();
-        cycles.into_iter().chain(joined).chain(taken).chain(assumed).chain(self.version.clone()).collect()
+        cycles
+            .into_iter()
+            .chain(joined)
+            .chain(taken)
+            .chain(assumed)
+            .chain(declared)
+            .chain(self.version.clone())
+            .collect()
     }
 
     /// A diagnostic with what is known about includes that were not found.

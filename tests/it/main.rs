@@ -30,6 +30,7 @@ mod interrupt;
 mod json;
 mod kernels;
 mod kubernetes;
+mod lacking;
 mod large_dispatches;
 mod lint_cli;
 mod lists;

@@ -9,6 +9,7 @@ pub mod calibrate;
 pub mod catalogue;
 pub mod check;
 pub mod compare;
+pub mod completion;
 pub mod corners;
 pub mod dispatch;
 mod elsewhere;

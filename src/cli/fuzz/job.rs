@@ -124,7 +124,7 @@ impl Job for Functions<'_> {
         };
         let function = fuzz::run(&subject, &domain, &self.lanes, &request);
         let function = function.map_err(|why| anyhow::anyhow!("--case: {why}"))?;
-        at.part.functions.push((number, file, function));
+        at.part.functions.push((number, file, self.sources[file].softened(function)));
         Ok(())
     }
 }

@@ -7,7 +7,6 @@
 //!                                        └─ lanes ─▶ verdicts, blame, determinism ─▶ findings
 //! ```
 
-mod assumed;
 mod builtin;
 mod crossing;
 mod domain;
@@ -29,7 +28,6 @@ mod subject;
 mod words;
 mod wrapper;
 
-pub use assumed::{Assumed, Completed, Offer, assumption_note, completed, macro_name, taken_notes};
 pub use domain::{Domain, InputDomain, Interval, Law, MODERATE, Shrinking, Stated, Within};
 pub use finding::{Finding, FunctionReport, FuzzFindingKind, LaneReport, Part, Severity, WORKGROUPS};
 pub(crate) use generate::drawn;

@@ -6,16 +6,16 @@
 //! A macro of several arguments is taken from host code and build files and never assumed: it has a meaning that must
 //! not be invented.
 
-use base::diagnostic::Severity;
 use program::{WIDE_BYTES, WORKGROUP_SIZE};
-use syntax::interface::Storage;
 use syntax::{Lacks, Parsed};
+
+use super::{Completed, errors};
 
 /// Macros that are assumed: names and values.
 pub type Assumed = Vec<(String, String)>;
 
 /// Reads a text with more macros.
-type Parse<'p> = dyn Fn(&[(String, String)]) -> Parsed + 'p;
+type Parse<'p> = dyn Fn(&Assumed) -> Parsed + 'p;
 
 /// Times that names are looked for which only show when others are known.
 const ROUNDS: usize = 6;
@@ -38,6 +38,29 @@ const TYPES: [&str; 5] = ["float", "vec4", "uint", "int", "ivec4"];
 /// What a number may stand for: a size that is none of the first sizes of buffers, and the least.
 const VALUES: [&str; 3] = ["32", "1", "4"];
 
+/// Numbers that have a name in mathematics, by their names in small letters without `m_`.
+const CONSTANTS: [(&str, &str); 12] = [
+    ("pi", "3.14159265358979"),
+    ("tau", "6.28318530717959"),
+    ("two_pi", "6.28318530717959"),
+    ("twopi", "6.28318530717959"),
+    ("half_pi", "1.5707963267949"),
+    ("pi_over_two", "1.5707963267949"),
+    ("inv_pi", "0.318309886183791"),
+    ("one_over_pi", "0.318309886183791"),
+    ("sqrt2", "1.4142135623731"),
+    ("epsilon", "1e-5"),
+    ("eps", "1e-5"),
+    ("deg_to_rad", "0.0174532925199433"),
+];
+
+/// The number that a name stands for in mathematics.
+fn constant(name: &str) -> Option<&'static str> {
+    let name = name.to_lowercase();
+    let name = name.strip_prefix("m_").unwrap_or(&name);
+    CONSTANTS.iter().find(|(known, _)| *known == name).map(|(_, value)| *value)
+}
+
 /// A macro that host code of the same project defines.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Offer {
@@ -57,23 +80,6 @@ pub struct Offer {
 
 /// What host code of the project says of names, the nearest file first, and of the builds that name the shader.
 pub type Offers<'o> = dyn FnMut(&[String]) -> Vec<Offer> + 'o;
-
-/// What stands for names that nothing in a text defines.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Completed {
-    /// What is assumed.
-    pub assumed: Assumed,
-    /// What host code defines.
-    pub taken: Vec<Offer>,
-}
-
-impl Completed {
-    /// All macros.
-    pub fn macros(&self) -> Assumed {
-        let taken = self.taken.iter().map(|offer| (offer.name.clone(), offer.value.clone()));
-        taken.chain(self.assumed.iter().cloned()).collect()
-    }
-}
 
 /// A name and what it may stand for.
 struct AssumedChoice {
@@ -106,38 +112,9 @@ pub fn macro_name(heading: &str) -> &str {
     heading.split('(').next().unwrap_or(heading)
 }
 
-/// What stands for the names that a text lacks, which `parse` reads with more macros: what host code of the project defines,
-/// or else something plain; whether numbers of 8 bits in buffers take the place of those of 32; and the size of workgroups that
-/// is left to the host. None where nothing is lacking, or the text has errors whatever is tried.
-pub fn completed(parse: &Parse<'_>, offers: &mut Offers<'_>) -> Option<Completed> {
-    let mut all = names(parse, offers).unwrap_or_default();
-    let parsed = parse(&all.macros());
-    if errors(&parsed) == 0 && has_bytes_in_buffers(&parsed) {
-        all.assumed.push((WIDE_BYTES.to_owned(), "1".to_owned()));
-    }
-    let chosen = parsed.shader.defines().iter().any(|(name, _)| name == WORKGROUP_SIZE);
-    if let Some([x, y, z]) = parsed.shader.usual_workgroup_size().filter(|_| errors(&parsed) == 0 && !chosen) {
-        all.assumed.push((WORKGROUP_SIZE.to_owned(), format!("{x},{y},{z}")));
-    }
-    (!all.assumed.is_empty() || !all.taken.is_empty()).then_some(all)
-}
-
-/// True when numbers of 8 bits lie in buffers.
-fn has_bytes_in_buffers(parsed: &Parsed) -> bool {
-    let blocks = &parsed.shader.interface().blocks;
-    blocks.iter().filter(|block| matches!(block.storage, Storage::Buffer | Storage::Uniform)).any(|block| {
-        // A structure that is only declared is in no buffer.
-        block.ty.has_scalar(&|scalar| scalar.is_integer() && scalar.bits() == 8)
-    })
-}
-
-/// What stands for names that a text lacks.
-fn names(parse: &Parse<'_>, offers: &mut Offers<'_>) -> Option<Completed> {
-    let mut parsed = parse(&[]);
-    // A version that stands elsewhere, or another language, is more than a macro.
-    if parsed.shader.lacking().is_empty() || parsed.shader.wgsl().is_some() {
-        return None;
-    }
+/// Macros that stand for names that a text lacks, as far as they leave no more errors. None where there are too many.
+pub(super) fn names(parse: &Parse<'_>, offers: &mut Offers<'_>) -> Option<Completed> {
+    let mut parsed = parse(&Vec::new());
     let mut choices: Vec<AssumedChoice> = Vec::new();
     let mut unknown: Vec<String> = Vec::new();
     for round in 0..ROUNDS {
@@ -163,6 +140,9 @@ fn names(parse: &Parse<'_>, offers: &mut Offers<'_>) -> Option<Completed> {
                 continue;
             }
             let options = match taken(&name, &offered) {
+                none if none.is_empty() && numbers_places(&parsed, &name) => {
+                    vec![Meaning::Assumed(choices.len().to_string())]
+                }
                 none if none.is_empty() && may_be_given(&parsed, &name, what) => plain_options(&name, what),
                 taken => taken,
             };
@@ -188,9 +168,6 @@ fn names(parse: &Parse<'_>, offers: &mut Offers<'_>) -> Option<Completed> {
     let mut left = errors(&parsed);
     for _ in 0..PASSES {
         left = improve(parse, &mut choices, left, &|_| true);
-    }
-    if left > 0 {
-        return None;
     }
     let mut found = Completed::default();
     for AssumedChoice { name, mut options, at } in choices {
@@ -278,8 +255,20 @@ fn build(parse: &Parse<'_>, lacking: &[String], offered: &[Offer]) -> Vec<Assume
     builds.iter().min_by_key(errors_with).map(|build| choices(build)).unwrap_or_default()
 }
 
+/// True for a name that numbers places of the interface, each of which has another number: `layout(location = POSITION)`.
+fn numbers_places(parsed: &Parsed, name: &str) -> bool {
+    let (shader, file) = (&parsed.shader, parsed.shader.file());
+    shader.tokens().windows(3).any(|tokens| {
+        let [key, is, value] = [0, 1, 2].map(|k| file.slice(tokens[k].span));
+        value == name && is == "=" && ["location", "binding", "set", "input_attachment_index"].contains(&key)
+    })
+}
+
 /// What a name may stand for that no host code says anything of, the plainest first.
 fn plain_options(name: &str, what: Lacks) -> Vec<Meaning> {
+    if let Some(number) = constant(name).filter(|_| what == Lacks::Value) {
+        return vec![Meaning::Assumed(number.to_owned())];
+    }
     // What a type is that says its size, nothing else may be.
     if let Some(sized) = of_32_bits(name) {
         return vec![Meaning::Assumed(sized)];
@@ -293,12 +282,6 @@ fn plain_options(name: &str, what: Lacks) -> Vec<Meaning> {
     std::iter::once(first.clone()).chain(others).map(Meaning::Assumed).collect()
 }
 
-/// Errors of a text, and names that it lacks.
-fn errors(parsed: &Parsed) -> usize {
-    let errors = parsed.diagnostics.iter().filter(|d| d.severity == Severity::Error).count();
-    errors + parsed.shader.lacking().len()
-}
-
 /// Whether a name may be one that a build gives: in capitals, as macros are; or a type, unless it is a slip of the pen.
 fn may_be_given(parsed: &Parsed, name: &str, what: Lacks) -> bool {
     let macro_like = syntax::is_macro(name);
@@ -307,7 +290,7 @@ fn may_be_given(parsed: &Parsed, name: &str, what: Lacks) -> bool {
     let slip = !sized && parsed.diagnostics.iter().any(|d| d.help.is_some() && d.file.slice(d.span) == name);
     // Numbers of 64 bits have more digits than any that could stand for them.
     let wide = !macro_like && name.contains("64");
-    !slip && !wide && !name.starts_with("gl_") && (macro_like || what == Lacks::Type)
+    !slip && !wide && !name.starts_with("gl_") && (macro_like || constant(name).is_some() || what == Lacks::Type)
 }
 
 /// The type of 32 bits for one that is smaller or says its size, where the extension that brings it is not on:
@@ -390,13 +373,18 @@ pub fn taken_notes(taken: &[Offer]) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{Completed, completed};
     use super::*;
     use base::text::SourceFile;
     use syntax::{Shader, Stage};
 
+    fn parsed(file: &SourceFile, with: &Completed) -> Parsed {
+        Shader::parse_with(&with.put(file), Stage::Compute, &with.macros())
+    }
+
     fn of(text: &str) -> Option<Assumed> {
         let file = SourceFile::new("k.comp", format!("#version 450\n{text}"));
-        let found = completed(&|defines| Shader::parse_with(&file, Stage::Compute, defines), &mut |_| Vec::new());
+        let found = completed(&|with| parsed(&file, with), &mut |_| Vec::new());
         found.map(|found| found.assumed)
     }
 
@@ -437,7 +425,7 @@ mod tests {
 
     fn with(text: &str, all: &[Offer]) -> Option<Completed> {
         let file = SourceFile::new("k.comp", format!("#version 450\n{text}"));
-        completed(&|defines| Shader::parse_with(&file, Stage::Compute, defines), &mut |names| {
+        completed(&|with| parsed(&file, with), &mut |names| {
             let about = |offer: &&Offer| offer.named || names.iter().any(|name| macro_name(&offer.name) == name);
             all.iter().filter(about).cloned().collect()
         })
@@ -495,12 +483,12 @@ mod tests {
     }
 
     #[test]
-    fn slips_and_names_of_the_author_are_told() {
+    fn slips_and_names_of_the_author_are_no_macros() {
         let around = |line: &str| {
             format!("layout(local_size_x = 8) in;\nbuffer B {{ float x[]; }};\nvoid main() {{ {line} }}\n")
         };
-        assert_eq!(of(&around("float total = 1.0; x[0] = totl;")), None);
-        assert_eq!(of(&around("x[0] = scale * 2.0;")), None);
+        assert_eq!(of(&around("float total = 1.0; x[0] = totl;")), pairs(&[]));
+        assert_eq!(of(&around("x[0] = scale * 2.0;")), pairs(&[]));
         assert_eq!(of(&around("x[0] = 1.0;")), None);
         // What else is wrong stays wrong.
         assert_eq!(of(&around("x[0] = SCALE * vec2(1.0);")), None);

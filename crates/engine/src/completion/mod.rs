@@ -1,0 +1,138 @@
+//! What a text in GLSL lacks, and what stands for it: macros of a build, and declarations of a text that a host puts beside
+//! this one.
+//!
+//! ```text
+//! text ─┬─ structures, by the members that are asked for ─┐
+//!       ├─ macros, by host code or something plain ───────┼─▶ Completed ─ put ─▶ a text that compiles
+//!       └─ variables and functions, by their uses ────────┘
+//! ```
+//!
+//! What a variable holds and a function gives is any value of its type: an input. A type is right when the text has no error
+//! with it, and of several, the plainest is taken. Where errors are left whatever is tried, nothing is completed.
+
+mod declared;
+mod macros;
+mod search;
+#[cfg(test)]
+mod tests;
+
+use base::diagnostic;
+use base::text::SourceFile;
+use program::{WIDE_BYTES, WORKGROUP_SIZE};
+use syntax::Parsed;
+use syntax::interface::Storage;
+
+use crate::fuzz::{FunctionReport, FuzzFindingKind, Law, Severity};
+pub use declared::{Stand, declared_notes};
+pub use macros::{Assumed, Offer, Offers, assumption_note, macro_name, taken_notes};
+use search::Search;
+
+/// Reads a text with what stands for names that it lacks.
+pub type Parse<'p> = dyn Fn(&Completed) -> Parsed + 'p;
+
+/// What stands for names that nothing in a text defines.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Completed {
+    /// Macros that are assumed.
+    pub assumed: Assumed,
+    /// Macros that host code defines.
+    pub taken: Vec<Offer>,
+    /// Declarations that are assumed.
+    pub declared: Vec<Stand>,
+}
+
+impl Completed {
+    /// All macros.
+    pub fn macros(&self) -> Assumed {
+        let taken = self.taken.iter().map(|offer| (offer.name.clone(), offer.value.clone()));
+        taken.chain(self.assumed.iter().cloned()).collect()
+    }
+
+    /// True for a function that is assumed: nobody wrote it.
+    pub fn is_assumed(&self, function: &str) -> bool {
+        self.declared.iter().any(|stand| stand.name == function)
+    }
+
+    /// Takes findings of a function that has assumed inputs for warnings: what a host gives them is not known. What a lane is
+    /// blamed for stays.
+    pub fn soften(&self, function: &mut FunctionReport) {
+        use FuzzFindingKind::{Disturbed, LaneDeviation, LaneFailed, NotDeterministic};
+        let is_assumed = |(input, _): &(String, Vec<Law>)| {
+            let name = input.rsplit(' ').next().unwrap_or(input).split(['.', '[']).next().unwrap_or("");
+            self.declared.iter().any(|stand| stand.holds(name))
+        };
+        if !function.inputs.iter().any(is_assumed) {
+            return;
+        }
+        let of_lanes = [LaneDeviation, NotDeterministic, Disturbed, LaneFailed];
+        for finding in function.findings.iter_mut().filter(|own| !of_lanes.contains(&own.kind)) {
+            if finding.severity == Severity::Finding {
+                finding.severity = Severity::Warning;
+            }
+        }
+    }
+
+    /// The text with all declarations, each in front of the item that uses it first.
+    #[must_use]
+    pub fn put(&self, file: &SourceFile) -> SourceFile {
+        declared::put(&self.declared, file)
+    }
+
+    fn is_empty(&self) -> bool {
+        self.assumed.is_empty() && self.taken.is_empty() && self.declared.is_empty()
+    }
+}
+
+/// What stands for the names that a text lacks, which `parse` reads with them: what host code of the project defines, or else
+/// something plain, or an input; whether numbers of 8 bits in buffers take the place of those of 32; and the size of workgroups
+/// that is left to the host. None where nothing is lacking, or the text has errors whatever is tried.
+pub fn completed(parse: &Parse<'_>, offers: &mut Offers<'_>) -> Option<Completed> {
+    let mut all = names(parse, offers).unwrap_or_default();
+    let parsed = parse(&all);
+    if errors(&parsed) == 0 && has_bytes_in_buffers(&parsed) {
+        all.assumed.push((WIDE_BYTES.to_owned(), "1".to_owned()));
+    }
+    let chosen = parsed.shader.defines().iter().any(|(name, _)| name == WORKGROUP_SIZE);
+    if let Some([x, y, z]) = parsed.shader.usual_workgroup_size().filter(|_| errors(&parsed) == 0 && !chosen) {
+        all.assumed.push((WORKGROUP_SIZE.to_owned(), format!("{x},{y},{z}")));
+    }
+    (!all.is_empty()).then_some(all)
+}
+
+/// What stands for names that a text lacks, so that it has no errors. Macros are enough for most kernels.
+fn names(parse: &Parse<'_>, offers: &mut Offers<'_>) -> Option<Completed> {
+    let plain = parse(&Completed::default());
+    // A version that stands elsewhere, or another language, is more than a name.
+    let is_whole = plain.shader.lacking().is_empty() && search::includes(&plain).is_empty();
+    if is_whole || plain.shader.wgsl().is_some() {
+        return None;
+    }
+    let done = |found: &Completed| errors(&parse(found)) == 0;
+    if let Some(found) = macros::names(&|macros| parse(&with_macros(macros, &[])), offers).filter(done) {
+        return Some(found);
+    }
+    // A name of host code need not be the one that is meant.
+    let with_offers = Search::new(parse, &plain).run(&plain, offers);
+    Some(with_offers)
+        .filter(done)
+        .or_else(|| Some(Search::new(parse, &plain).run(&plain, &mut |_| Vec::new())).filter(done))
+}
+
+fn with_macros(macros: &[(String, String)], declared: &[Stand]) -> Completed {
+    Completed { assumed: macros.to_vec(), declared: declared.to_vec(), ..Completed::default() }
+}
+
+/// Errors of a text, and names that it lacks.
+fn errors(parsed: &Parsed) -> usize {
+    let errors = parsed.diagnostics.iter().filter(|d| d.severity == diagnostic::Severity::Error).count();
+    errors + parsed.shader.lacking().len()
+}
+
+/// True when numbers of 8 bits lie in buffers.
+fn has_bytes_in_buffers(parsed: &Parsed) -> bool {
+    let blocks = &parsed.shader.interface().blocks;
+    blocks.iter().filter(|block| matches!(block.storage, Storage::Buffer | Storage::Uniform)).any(|block| {
+        // A structure that is only declared is in no buffer.
+        block.ty.has_scalar(&|scalar| scalar.is_integer() && scalar.bits() == 8)
+    })
+}
