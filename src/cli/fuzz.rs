@@ -194,6 +194,7 @@ pub(super) fn subjects(
                     dispatch: None,
                     ready: Err(format!("`{}` is declared nowhere: name its file with `--with FILE`", one.lacks)),
                     stated: Vec::new(),
+                    made_up: false,
                 }));
                 text
             }
@@ -209,8 +210,9 @@ pub(super) fn subjects(
         };
         known.extend(left_out.iter().map(|one| one.label.clone()));
         known.extend(text.points().into_iter().chain(text.functions()).map(|one| one.name));
+        let wanted = |name: &str| wanted(name) && !source.is_assumed(name);
         let subjects = fuzz::subjects_of_module(&text, &source.values(&text, define), &wanted).map_err(unstated)?;
-        return Ok((Vec::new(), subjects.into_iter().chain(left_out).collect()));
+        return Ok((source.lacking(define), subjects.into_iter().chain(left_out).collect()));
     }
     let parsed = source.parsed(define);
     let told = |errors: &mut dyn Iterator<Item = Diagnostic>| -> Vec<Diagnostic> {

@@ -33,6 +33,8 @@ pub struct IncludedText {
     joined: Option<Joined>,
     /// What stands for macros that a build may give, and that nothing in it defines.
     completed: Completed,
+    /// Names in WGSL that others stand for, and that are slips.
+    slips: Vec<Diagnostic>,
     /// What to tell of a version that it does not name.
     version: Option<String>,
 }
@@ -69,6 +71,7 @@ pub fn with_includes(file: &SourceFile, path: &Path, given: &Given<'_>) -> anyho
         includes,
         joined,
         completed: Completed::default(),
+        slips: Vec::new(),
         version: None,
     })
 }
@@ -112,6 +115,9 @@ impl IncludedText {
 
     /// Errors about declarations that the text lacks and for which others stand: those that no host can take away.
     pub fn lacking(&self, defines: &[(String, String)]) -> Vec<Diagnostic> {
+        if Written::of(&self.file) != Written::Glsl {
+            return self.slips.clone();
+        }
         // Who puts a version in front may put more there.
         let versioned = || Shader::parse_with(&self.file, self.stage, defines).shader.version().span.is_some();
         if self.completed.declared.is_empty() || !versioned() {
@@ -198,7 +204,8 @@ impl IncludedText {
 
     /// Values for the `override` constants of the module, from those that are given.
     pub fn values(&self, text: &ModuleText, defines: &[(String, String)]) -> Vec<(String, String)> {
-        self.joined.as_ref().map_or_else(|| defines.to_vec(), |joined| joined.values(text, defines))
+        let all: Vec<(String, String)> = defines.iter().chain(&self.completed.assumed).cloned().collect();
+        self.joined.as_ref().map_or_else(|| all.clone(), |joined| joined.values(text, &all))
     }
 
     /// The same, where macros that a build or a host may give stand for what host code of the project says, or else for
@@ -206,7 +213,7 @@ impl IncludedText {
     #[must_use]
     pub fn assuming(self, defines: &[(String, String)], hosts: &mut Hosts) -> Self {
         if Written::of(&self.file) != Written::Glsl {
-            return self;
+            return self.with_declarations(defines);
         }
         let with = |completed: &Completed| self.parsed_with(defines, completed);
         let stated = |name: &str| defines.iter().any(|(known, _)| macro_name(known) == macro_name(name));
@@ -217,6 +224,23 @@ impl IncludedText {
         let completed = completion::completed(&with, &mut offers).unwrap_or_default();
         let version = self.assumed_version(defines);
         Self { completed, version, ..self }
+    }
+
+    /// The same with what stands for declarations, and values of constants, that a text in WGSL lacks. A slip stays an error.
+    fn with_declarations(mut self, defines: &[(String, String)]) -> Self {
+        let Some(joined) = &mut self.joined else { return self };
+        let slips = joined.unknown_names().into_iter().filter(reading::open::is_slip).collect();
+        self.completed.declared = joined.complete();
+        if !self.completed.declared.is_empty() {
+            self.slips = slips;
+        }
+        if Written::of(&self.file) == Written::Wgsl
+            && let Ok(text) = joined.module()
+        {
+            let open = text.valueless().into_iter().filter(|(name, _)| defines.iter().all(|(known, _)| known != name));
+            self.completed.assumed = open.map(|(name, value)| (name, value.to_owned())).collect();
+        }
+        self
     }
 
     /// True for a function that stands for one that the text lacks.

@@ -182,13 +182,17 @@ fn what_conditions_leave_out_is_no_reason_to_report() {
 
 #[test]
 fn functions_that_stand_alone_are_run_where_others_lack_something() {
-    let text = "fn half(x: f32) -> f32 { return 0.5 * x; }\nfn g(x: f32) -> f32 { return half(x) * GAIN; }\n\
+    // No declaration of `GAIN` makes this right.
+    let text = "fn half(x: f32) -> f32 { return 0.5 * x; }\nfn g(x: f32) -> f32 { return half(x) * (GAIN + true); }\n\
                 fn h(x: f32) -> f32 { return g(x); }\n";
     let (status, out, err) = run(&[("part.wgsl", text)], &["fuzz", "--samples", "256", "--lane", "embedded"]);
     assert!(out.contains("half") && out.contains("1 function run, 2 not run"), "{status:?} {out}{err}");
     assert!(out.matches("`GAIN` is declared nowhere").count() == 2, "{out}");
-    // Where it lacks nothing, all of them are run.
-    let whole = format!("const GAIN = 2.0;\n{text}");
+    // Where it lacks nothing, or what it lacks can be an input, all of them are run.
+    let right = text.replace(" + true", "");
+    let (status, out, _) = run(&[("part.wgsl", &right)], &["fuzz", "--samples", "256", "--lane", "embedded"]);
+    assert!(status == Some(0) && out.contains("3 functions run"), "{status:?} {out}");
+    let whole = format!("const GAIN = 2.0;\n{right}");
     let (status, out, _) = run(&[("part.wgsl", &whole)], &["fuzz", "--samples", "256", "--lane", "embedded"]);
     assert!(status == Some(0) && out.contains("3 functions run"), "{status:?} {out}");
     // What is wrong beside it is told first.

@@ -1,4 +1,4 @@
-//! Texts in GLSL that lack declarations, on the command line.
+//! Texts that lack declarations, on the command line.
 
 use std::fs;
 
@@ -48,4 +48,68 @@ fn a_whole_shader_is_run_and_its_names_are_errors() {
 fn what_is_wrong_otherwise_is_told_and_not_run() {
     let ran = fuzz("piece.glsl", &PIECE.replace("roughness);\n}", "roughness) * mat2(1.0);\n}"), "").expect(1);
     assert!(ran.out.contains("0 functions run, 0 not run"), "{ran:?}");
+}
+
+/// A material. Its engine declares the view and what lights it, in modules that are not there.
+const MATERIAL: &str = "#import engine::{view::view, light::{Sun, sun_at}}\n\
+    @group(#{MATERIAL_GROUP}) @binding(0) var<uniform> roughness: f32;\n\
+    fn shade(n: vec3f) -> vec3f {\n\
+    let sun: Sun = sun_at(view.time);\n\
+    let half_way = normalize(sun.direction + view.direction);\n\
+    return sun.color * max(dot(n, half_way), 0.0) / roughness;\n}\n";
+
+#[test]
+fn a_module_is_run_with_inputs_for_what_its_imports_would_bring() {
+    let ran = fuzz("material.wgsl", MATERIAL, "").expect(0);
+    assert!(ran.err.contains("`view` as a structure") && ran.err.contains("`sun_at` as a function that"), "{ran:?}");
+    assert!(ran.err.contains("material.wgsl:2:8: `MATERIAL_GROUP` is taken for 0, a group of bindings"), "{ran:?}");
+    // What depends on an input that is made up is no more than a warning.
+    assert!(ran.out.contains("warning: shade:") && ran.out.contains("material.wgsl:5:"), "{ran:?}");
+    assert!(ran.out.contains("1 function run, 0 not run, 0 findings"), "{ran:?}");
+    // The repaired twin.
+    let right = MATERIAL.replace("normalize(sun.direction + view.direction)", "sun.direction + view.direction");
+    let ran = fuzz("material.wgsl", &right, "").expect(0);
+    assert!(!ran.out.contains("material.wgsl:5:"), "{ran:?}");
+}
+
+#[test]
+fn a_slip_in_a_module_stays_an_error() {
+    let text = "fn f(uv: vec2f) -> vec2f { return normalise(uv) + offset; }\n";
+    let ran = fuzz("slip.wgsl", text, "").expect(1);
+    assert!(ran.out.contains("error[E021]: `normalise` is not declared"), "{ran:?}");
+    assert!(ran.out.contains("did you mean `normalize`?") && !ran.out.contains("`offset` is not"), "{ran:?}");
+    assert!(ran.out.contains("1 function run") && ran.out.contains("1 file does not compile"), "{ran:?}");
+}
+
+#[test]
+fn constants_of_a_pipeline_without_a_value_have_a_plain_one() {
+    let text = "override width: f32;\noverride tiles: u32;\nfn f(x: f32) -> f32 { return x * width + f32(tiles); }\n";
+    let ran = fuzz("pipeline.wgsl", text, "").expect(0);
+    assert!(ran.err.contains("assumed --define width=1 --define tiles=64: names that nothing defines"), "{ran:?}");
+    let ran = fuzz("pipeline.wgsl", text, "--define width=640").expect(0);
+    assert!(ran.err.contains("assumed --define tiles=64: a name that nothing defines"), "{ran:?}");
+}
+
+/// A part of a scan, without the kernel that calls it.
+const PART: &str = "var<workgroup> row: array<u32, 64>;\n\
+    @group(0) @binding(0) var<storage, read_write> o: array<u32>;\n\
+    fn reversed(id: u32, local: u32, x: u32) {\n\
+    row[local] = x;\n\
+    if id >= arrayLength(&o) { return; }\n\
+    workgroupBarrier();\n\
+    o[id] = row[63u - local];\n}\n";
+
+#[test]
+fn a_function_of_a_workgroup_is_run_by_a_kernel_that_is_made_up() {
+    let ran = fuzz("part.wgsl", PART, "").expect(0);
+    assert!(ran.out.contains("warning: reversed: invocation 1 does not reach this barrier"), "{ran:?}");
+    assert!(ran.out.contains("at         part.wgsl:6:1"), "{ran:?}");
+    assert!(ran.out.contains("1 function run, 0 not run, 0 findings"), "{ran:?}");
+    // The repaired twin, and one that forgets the barrier.
+    let guarded = "workgroupBarrier();\nif id >= arrayLength(&o) { return; }\n";
+    let right = PART.replace("if id >= arrayLength(&o) { return; }\nworkgroupBarrier();\n", guarded);
+    let ran = fuzz("part.wgsl", &right, "").expect(0);
+    assert!(ran.out.contains("ok    reversed") && ran.out.contains("0 findings, 0 warnings"), "{ran:?}");
+    let ran = fuzz("part.wgsl", &right.replace("workgroupBarrier();\n", ""), "").expect(0);
+    assert!(ran.out.contains("warning: reversed: race"), "{ran:?}");
 }

@@ -72,6 +72,9 @@ pub struct Options {
     /// Leaves placeholders without a value empty where they have a line for themselves, as those of more members and of
     /// padding are. [`compose`] tries it by itself.
     pub empty_lines: bool,
+    /// Takes names that are imported from what is not there for undeclared ones, and gives what has no value the one that
+    /// its place asks for: for readers that declare what a text lacks.
+    pub open: bool,
 }
 
 /// A text from several files.

@@ -31,6 +31,8 @@ pub(crate) struct Linked {
     pub targets: HashMap<(usize, usize), Item>,
     /// Names that a module uses and nothing of ours declares, and whether one of them is called.
     pub free: Vec<HashMap<String, bool>>,
+    /// Names in the place of paths that lead nowhere, by the first token of the path.
+    pub loose: HashMap<(usize, usize), String>,
 }
 
 pub(crate) fn link(
@@ -39,7 +41,13 @@ pub(crate) fn link(
     library: &mut dyn Library,
     problems: &mut Problems,
 ) -> Composed {
-    let linked = Linked { modules: Vec::new(), reached: Vec::new(), targets: HashMap::new(), free: Vec::new() };
+    let linked = Linked {
+        modules: Vec::new(),
+        reached: Vec::new(),
+        targets: HashMap::new(),
+        free: Vec::new(),
+        loose: HashMap::new(),
+    };
     let mut linker = Linker {
         linked,
         options,
@@ -270,6 +278,7 @@ impl Linker<'_> {
                         self.missing(item.0, &import.path, Found::NoItem(inside, name), &file, import.span);
                         None
                     }
+                    Found::NoItem(..) | Found::Nothing if self.options.open => self.lacks(item, used, Vec::new()),
                     Found::Module(_) | Found::NoItem(..) | Found::Nothing => None,
                 };
             }
@@ -288,6 +297,7 @@ impl Linker<'_> {
         };
         match self.find(item.0, &path) {
             Found::Item(target) => Some(target),
+            Found::NoItem(..) | Found::Nothing if self.options.open => self.lacks(item, used, Vec::new()),
             missing => {
                 let module = &self.linked.modules[item.0];
                 let (first, last) = (module.tokens[used.tokens.start].span, module.tokens[used.tokens.end - 1].span);
@@ -338,6 +348,19 @@ impl Linker<'_> {
             }
             self.linked.free[item.0].remove(&name);
             return Some(only);
+        }
+        self.lacks(item, used, candidates)
+    }
+
+    /// Takes a name for one that nothing declares. A path goes by its last name, where no declaration has that.
+    fn lacks(&mut self, item: Item, used: &Use, candidates: Vec<Item>) -> Option<Item> {
+        let mut name = used.names.last()?.clone();
+        if used.names.len() > 1 {
+            let module = &self.linked.modules[item.0];
+            if module.names.contains_key(&name) || module.locals.contains(&name) {
+                name = used.names.join("_");
+            }
+            self.linked.loose.insert((item.0, used.tokens.start), name.clone());
         }
         self.lacking.entry(item).or_insert_with(|| name.clone());
         if !self.undeclared.iter().any(|(_, _, u)| u.name == name) {
@@ -436,6 +459,7 @@ impl Linker<'_> {
                     let used = uses.into_iter().any(|used| used.names[0] == import.name);
                     match missing {
                         Found::NoItem(inside, name) if self.is_left_out(inside, &name) => {}
+                        _ if used && self.options.open => {}
                         missing if used => self.missing(at, &import.path, missing, &file, import.span),
                         missing => {
                             let errors = std::mem::take(&mut self.problems.found);

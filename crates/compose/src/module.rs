@@ -55,11 +55,11 @@ impl Module {
         library: &mut dyn Library,
         problems: &mut Problems,
     ) -> Self {
-        let template::Rendered { file, notes: assumed, left_out: branches, included } = match options.stand_ins {
+        let template::Rendered { file, notes: mut assumed, left_out: branches, included } = match options.stand_ins {
             true => template::Rendered::of(template::stand_in(author, defines)),
             false => template::render(author, (defines, options.empty_lines), library, problems),
         };
-        let (file, directives) = without_directives(&file, defines, options, library, problems);
+        let (file, directives) = without_directives(&file, defines, options, library, problems, &mut assumed);
         let condition::Conditional { file, mut left_out } = condition::decide(&file, defines, problems);
         let mut found = Vec::new();
         let mut says = None;
@@ -158,6 +158,7 @@ fn without_directives(
     options: &Options,
     library: &mut dyn Library,
     problems: &mut Problems,
+    assumed: &mut Vec<Diagnostic>,
 ) -> (SourceFile, Directives) {
     let directive = |line: &str| line.trim_start().starts_with('#');
     if !file.text().lines().any(directive) && !file.text().contains("#{") {
@@ -173,7 +174,13 @@ fn without_directives(
     let whole = included.file;
     let marked = whole.text().contains("#{") || says_its_name(whole.text()) || imports_modules(whole.text());
     let replacement = if marked { plain::Replacement::Marked } else { plain::Replacement::Names };
-    let read = plain::plain(&whole, defines, replacement);
+    let read = if options.open {
+        let (read, notes) = template::assuming(&whole, defines, replacement);
+        assumed.extend(notes);
+        read
+    } else {
+        plain::plain(&whole, defines, replacement)
+    };
     problems.found.extend(read.diagnostics);
     let mut kept = Vec::new();
     for foreign in read.directives {

@@ -40,13 +40,17 @@ pub(crate) fn write(
     renamed.sort_by(|a, b| a.written.cmp(&b.written));
     let alone = linked.reached.iter().all(|(module, _)| *module == 0) && renamed.is_empty();
     let alone = alone && linked.reached.len() == first.declarations.len();
-    let whole = alone && unbound.is_empty() && linked.modules[0].declarations.iter().all(|d| d.dropped.is_none());
+    let whole = alone
+        && unbound.is_empty()
+        && linked.loose.is_empty()
+        && linked.modules[0].declarations.iter().all(|d| d.dropped.is_none());
     let mut starts: HashMap<(usize, usize), usize> = HashMap::new();
     let file = if whole { first.file.clone() } else { joined(root, linked, &names, &unbound, &mut starts) };
     let placed = undeclared.into_iter().map(|((module, _), used, undeclared)| {
         let token = linked.modules[module].tokens[used.tokens.start].span;
         let start = if whole { token.start } else { starts.get(&(module, used.tokens.start)).copied().unwrap_or(0) };
-        Undeclared { span: Span::new(start, start + token.len()), ..undeclared }
+        let len = if used.names.len() > 1 { undeclared.name.len() } else { token.len() };
+        Undeclared { span: Span::new(start, start + len), ..undeclared }
     });
     let undeclared = placed.collect();
     Composed { file, renamed, guessed, undeclared, notes, stated: Vec::new(), rest: None }
@@ -171,9 +175,12 @@ fn joined(
             let first = source.tokens[used.tokens.start].span;
             let span = first.to(source.tokens[used.tokens.end - 1].span);
             starts.insert((module, used.tokens.start), out.len + span.start.saturating_sub(copied));
-            let Some(target) = linked.targets.get(&(module, used.tokens.start)) else { continue };
-            let own = name_of(linked, *target).unwrap_or_default();
-            let new = names.get(target).map_or(own, String::as_str);
+            let at = (module, used.tokens.start);
+            let target = linked.targets.get(&at);
+            let name = |target| names.get(target).map_or(name_of(linked, *target), |name| Some(name.as_str()));
+            let Some(new) = target.and_then(name).or_else(|| linked.loose.get(&at).map(String::as_str)) else {
+                continue;
+            };
             if source.file.slice(span) != new {
                 out.copy(&source.file, Span::new(copied, span.start));
                 out.replace(new, &source.file, span);

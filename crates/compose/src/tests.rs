@@ -532,3 +532,27 @@ fn where_many_names_are_unknown_none_is_taken_for_a_slip() {
     assert_eq!(helped(40), 40);
     assert_eq!(helped(100), 0);
 }
+
+#[test]
+fn what_leads_nowhere_is_undeclared_where_that_is_asked_for() {
+    let file = SourceFile::new(
+        "a.wgsl",
+        "#import engine::{view::View, mesh as m}\n@group(#{GROUP}) @binding(0) var<uniform> v: View;\n\
+         fn f(x: f32) -> f32 {\n#if QUALITY > 2\n  return x;\n#endif\n  return m::scale(x) * v.size; }\n",
+    );
+    let with = |open: bool| compose(&file, &Options { open, ..Options::default() }, &mut Shelf(HashMap::new()));
+    assert!(with(false).is_err());
+    let composed = with(true).unwrap();
+    let names: Vec<&str> = composed.undeclared.iter().map(|lacking| lacking.name.as_str()).collect();
+    assert_eq!(names, ["View", "scale"]);
+    let text = composed.file.text();
+    assert!(text.contains("@group(0)") && text.contains("return scale(x) * v.size"), "{text}");
+    assert!(!text.contains("return x;"), "{text}");
+    // A name stands where its author has it.
+    let lacking = &composed.undeclared[1];
+    let (author, span) = composed.file.origin(lacking.span);
+    assert_eq!((composed.file.slice(lacking.span), author.locate(span.start)), ("scale", "a.wgsl:7:10".to_owned()));
+    let notes: Vec<String> = composed.notes.iter().map(|note| note.message.to_string()).collect();
+    assert!(notes.iter().any(|note| note.starts_with("`GROUP` is taken for 0, a group of bindings")), "{notes:?}");
+    assert!(notes.iter().any(|note| note.starts_with("`QUALITY` is taken for 1, a number")), "{notes:?}");
+}

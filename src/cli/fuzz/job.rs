@@ -123,7 +123,10 @@ impl Job for Functions<'_> {
             command: command(args, &self.sources[file]),
         };
         let function = fuzz::run(&subject, &domain, &self.lanes, &request);
-        let function = function.map_err(|why| anyhow::anyhow!("--case: {why}"))?;
+        let mut function = function.map_err(|why| anyhow::anyhow!("--case: {why}"))?;
+        if subject.made_up {
+            function.as_warnings();
+        }
         at.part.functions.push((number, file, self.sources[file].softened(function)));
         Ok(())
     }

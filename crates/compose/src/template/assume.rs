@@ -68,6 +68,10 @@ pub(super) fn by_place(file: &SourceFile, span: Span, count: usize) -> Option<(R
     if rounds && before.trim_end_matches('=').ends_with('<') {
         return assumed("3", "a number of rounds").map(|a| (2, a));
     }
+    // No number is shifted by more bits than it has.
+    if before.ends_with("<<") || before.ends_with(">>") {
+        return assumed("4", "a number of bits").map(|a| (2, a));
+    }
     let suffix =
         |s: &str| after.starts_with(s) && !after[s.len()..].starts_with(|c: char| c.is_alphanumeric() || c == '_');
     if suffix("u") || suffix("i") {
@@ -183,6 +187,7 @@ mod tests {
             ("fn f(x: {{ elem }}) -> f32", "f32"),
             ("var<private> a: array<vec4<f32>, {{ n }}>;", "64"),
             ("if (i < {{ n }}u) {", "64"),
+            ("key >> {{ bits }}u", "4"),
             ("const STRIDE: u32 = {{ bytes }} / 4u;", "64"),
             ("let x = {{ alpha }} * y;", "1"),
             ("texture_storage_2d<{{F}}, write>", "rgba8unorm"),

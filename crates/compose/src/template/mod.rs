@@ -8,6 +8,7 @@ mod bare;
 mod expression;
 mod render;
 mod tree;
+mod valueless;
 
 use base::text::{Assembly, SourceFile, Span};
 
@@ -15,6 +16,7 @@ use crate::stand_in::{self, Role, StandIns};
 
 pub(crate) use bare::declared;
 pub(crate) use render::{Rendered, render};
+pub(crate) use valueless::assuming;
 
 /// Lets names stand in for placeholders, for readers that run nothing: of each condition, the first branch is read. A text
 /// without placeholders stays as it is.

@@ -78,6 +78,7 @@ impl Stand {
             Form::Variable(_, shape) => format!("`{}{}`", shape.ty, shape.dims()),
             Form::Function(overloads, gives) => match (gives, overloads.first().and_then(|first| first.first())) {
                 (Gives::Always(ty), _) if ty == "void" => "a function".to_owned(),
+                (Gives::Always(ty), _) if ty.ends_with(MADE) => "a function that gives a structure".to_owned(),
                 (Gives::Always(ty), _) => format!("a function that gives `{ty}`"),
                 (Gives::First, param) => {
                     format!("a function that gives `{}`", param.map_or("float", |param| param.ty.as_str()))

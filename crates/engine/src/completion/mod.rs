@@ -15,6 +15,7 @@ mod macros;
 mod search;
 #[cfg(test)]
 mod tests;
+pub mod wgsl;
 
 use base::diagnostic;
 use base::text::SourceFile;
@@ -22,7 +23,7 @@ use program::{WIDE_BYTES, WORKGROUP_SIZE};
 use syntax::Parsed;
 use syntax::interface::Storage;
 
-use crate::fuzz::{FunctionReport, FuzzFindingKind, Law, Severity};
+use crate::fuzz::{FunctionReport, Law};
 pub use declared::{Stand, declared_notes};
 pub use macros::{Assumed, Offer, Offers, assumption_note, macro_name, taken_notes};
 use search::Search;
@@ -56,7 +57,6 @@ impl Completed {
     /// Takes findings of a function that has assumed inputs for warnings: what a host gives them is not known. What a lane is
     /// blamed for stays.
     pub fn soften(&self, function: &mut FunctionReport) {
-        use FuzzFindingKind::{Disturbed, LaneDeviation, LaneFailed, NotDeterministic};
         let is_assumed = |(input, _): &(String, Vec<Law>)| {
             let name = input.rsplit(' ').next().unwrap_or(input).split(['.', '[']).next().unwrap_or("");
             self.declared.iter().any(|stand| stand.holds(name))
@@ -64,12 +64,7 @@ impl Completed {
         if !function.inputs.iter().any(is_assumed) {
             return;
         }
-        let of_lanes = [LaneDeviation, NotDeterministic, Disturbed, LaneFailed];
-        for finding in function.findings.iter_mut().filter(|own| !of_lanes.contains(&own.kind)) {
-            if finding.severity == Severity::Finding {
-                finding.severity = Severity::Warning;
-            }
-        }
+        function.as_warnings();
     }
 
     /// The text with all declarations, each in front of the item that uses it first.

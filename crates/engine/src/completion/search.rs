@@ -65,7 +65,7 @@ pub(super) struct Search<'p> {
 }
 
 /// True for what may be components of a vector.
-fn is_swizzle(field: &str) -> bool {
+pub(super) fn is_swizzle(field: &str) -> bool {
     field.len() <= 4 && syntax::swizzle::SETS.iter().any(|set| field.chars().all(|c| set.contains(c)))
 }
 

@@ -332,6 +332,17 @@ pub struct FunctionReport {
 }
 
 impl FunctionReport {
+    /// Takes findings for warnings, where what a host gives the function is not known. What a lane is blamed for stays.
+    pub fn as_warnings(&mut self) {
+        use FuzzFindingKind::{Disturbed, LaneDeviation, LaneFailed, NotDeterministic};
+        let of_lanes = [LaneDeviation, NotDeterministic, Disturbed, LaneFailed];
+        for finding in self.findings.iter_mut().filter(|own| !of_lanes.contains(&own.kind)) {
+            if finding.severity == Severity::Finding {
+                finding.severity = Severity::Warning;
+            }
+        }
+    }
+
     /// Nothing found yet, of a function.
     pub(super) fn nothing(subject: &Subject) -> Self {
         Self {

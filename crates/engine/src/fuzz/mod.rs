@@ -8,6 +8,7 @@
 //! ```
 
 mod builtin;
+mod called;
 mod crossing;
 mod domain;
 mod finding;

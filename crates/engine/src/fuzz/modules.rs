@@ -1,5 +1,6 @@
 //! The entry points and functions of a text that is read as a module, each made ready to run or told why it cannot be.
 
+use super::called::with_caller;
 use super::domain::Law;
 use super::realistic::Realistic;
 use super::subject::{BadHint, Hints, Made, Ready, Subject, global, made, numbers, reason};
@@ -26,7 +27,22 @@ pub fn subjects_of_module(
     all.sort_by_key(|one| one.span.start);
     all.retain(|one| wanted(&one.name));
     let known = Known::of(text.tree())?;
-    Ok(all.into_iter().map(|one| subject(text, values, one, &known)).collect())
+    Ok(all.into_iter().map(|one| called(text, values, one.clone(), subject(text, values, one, &known))).collect())
+}
+
+/// A function that cannot be fed by itself, as a kernel that calls it; everything else as it is.
+fn called(text: &ModuleText, values: &[(String, String)], one: Runnable, alone: Subject) -> Subject {
+    if alone.ready.is_ok() || one.stage != Stage::Library {
+        return alone;
+    }
+    let Some((made, kernel)) = with_caller(text, &one.name) else { return alone };
+    let Some(point) = made.points().into_iter().find(|point| point.name == kernel) else { return alone };
+    let Ok(known) = Known::of(made.tree()) else { return alone };
+    let as_kernel = subject(&made, values, point, &known);
+    if !matches!(as_kernel.dispatch, Some(Ok(_))) {
+        return alone;
+    }
+    Subject { label: alone.label, name: alone.name, at: alone.at, made_up: true, ..as_kernel }
 }
 
 /// What a text says of inputs: how they are used, and which domains comments state.
@@ -90,7 +106,7 @@ fn subject(text: &ModuleText, values: &[(String, String)], one: Runnable, known:
     let mut stated = about.unwrap_or_default();
     stated.extend(ready.iter().flat_map(|r| numbers(r, &r.program.ranges, &stated)).collect::<Vec<_>>());
     let name = one.name.split('(').next().unwrap_or_default().to_owned();
-    Subject { label: one.name, name, parameters: one.parameters, at, ready, dispatch, stated }
+    Subject { label: one.name, name, parameters: one.parameters, at, ready, dispatch, stated, made_up: false }
 }
 
 fn dispatched(

@@ -34,6 +34,8 @@ pub struct Subject {
     pub dispatch: Option<Result<Box<Dispatched>, String>>,
     /// Domains that comments in the file state for it.
     pub stated: Vec<Stated>,
+    /// True for a function that is run by a caller that is made up: what is found in it is a warning.
+    pub made_up: bool,
 }
 
 /// A function that can be run.
@@ -102,7 +104,7 @@ pub fn subjects(shader: &Shader, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Su
         });
         stated.extend(ready.iter().flat_map(|ready| numbers(ready, &ranges, &stated)).collect::<Vec<_>>());
         let parameters = info.params.iter().map(Parameter::of).collect();
-        subjects.push(Subject { label, name: name.clone(), parameters, at, ready, dispatch, stated });
+        subjects.push(Subject { label, name: name.clone(), parameters, at, ready, dispatch, stated, made_up: false });
     }
     Ok(subjects)
 }

@@ -7,6 +7,9 @@ use base::text::{SourceFile, Span};
 use compose::{Composed, LeftOut, Options};
 use disk::{ComposeError, Modules};
 use program::{ModuleText, ProgramError, Written};
+use syntax::errors;
+
+use crate::completion::{Stand, wgsl};
 
 use super::compiled::{Asked, read_compiled};
 
@@ -15,6 +18,8 @@ pub struct Joined {
     made: JoinedText,
     /// Names that are given, and mean something to a file other than the value of a constant.
     stated: Vec<String>,
+    /// A text in WGSL with the names that it lacks as such, where imports are not there or directives have no values.
+    open: Option<Composed>,
 }
 
 enum JoinedText {
@@ -43,6 +48,7 @@ impl Joined {
             return Ok(Some(Self {
                 made: JoinedText::Compiled { file, folders, defines, asked: asked.clone() },
                 stated,
+                open: None,
             }));
         }
         // A text in another language than its ending says is told as such by its reader.
@@ -55,7 +61,34 @@ impl Joined {
             Err(error @ ComposeError::Unreadable(..)) => return Err(error),
         };
         let stated = composed.as_ref().map(|composed| composed.stated.clone()).unwrap_or_default();
-        Ok(Some(Self { made: JoinedText::Composed(composed), stated }))
+        let lacks =
+            |found: &Vec<Diagnostic>| found.iter().all(|d| [errors::IMPORT, errors::VALUELESS].contains(&d.code));
+        let open = composed.as_ref().is_err_and(lacks).then(|| {
+            let options = Options { open: true, ..options.clone() };
+            Modules::new(folders.to_vec()).with_files_below().compose(file, &options).ok()
+        });
+        Ok(Some(Self { made: JoinedText::Composed(composed), stated, open: open.flatten() }))
+    }
+
+    /// Puts declarations behind a text in WGSL for the names that it lacks, and gives them. Nothing changes where it lacks
+    /// none, or is wrong with them as well.
+    pub fn complete(&mut self) -> Vec<Stand> {
+        let JoinedText::Composed(made) = &self.made else { return Vec::new() };
+        let Some(text) = self.open.as_ref().or(made.as_ref().ok()) else { return Vec::new() };
+        let nothing = || self.open.is_some() && text.undeclared.is_empty();
+        let completed = wgsl::completed(text).or_else(|| nothing().then(|| (text.file.clone(), Vec::new())));
+        let Some((file, stands)) = completed else { return Vec::new() };
+        let whole = Composed { file, undeclared: Vec::new(), rest: None, ..text.clone() };
+        self.made = JoinedText::Composed(Ok(whole));
+        stands
+    }
+
+    /// Errors about names that a text in WGSL lacks and that nobody means to declare.
+    pub fn unknown_names(&self) -> Vec<Diagnostic> {
+        match &self.made {
+            JoinedText::Composed(Ok(composed)) => composed.unknown_names(),
+            JoinedText::Composed(Err(_)) | JoinedText::Compiled { .. } => Vec::new(),
+        }
     }
 
     /// The text, or the file itself where something is wrong.

@@ -11,6 +11,17 @@ use base::did_you_mean;
 use base::text::Span;
 
 impl ModuleText {
+    /// Names of its `override` constants without a value, each with a plain one.
+    pub fn valueless(&self) -> Vec<(String, &'static str)> {
+        let open = self.module.overrides.iter().filter(|(_, constant)| constant.init.is_none());
+        let plain = |ty: Handle<Type>| match self.module.types[ty].inner.scalar_kind() {
+            Some(ScalarKind::Bool) => "true",
+            Some(ScalarKind::Sint | ScalarKind::Uint) => "64",
+            _ => "1",
+        };
+        open.filter_map(|(_, constant)| Some((constant.name.clone()?, plain(constant.ty)))).collect()
+    }
+
     /// Puts values in the place of the constants that are used: those of `values` by name or by the number of `@id`,
     /// else those of the text.
     ///

@@ -1,0 +1,195 @@
+//! A caller for a function in WGSL that invocations of a workgroup call together: it waits at a barrier, or has memory of its
+//! workgroup. The smallest kernel is made up that calls it once for each invocation.
+//!
+//! Arguments are told by their names and types: numbers of invocations and workgroups are those of the kernel, and every other
+//! argument is one number of the host.
+
+use std::collections::{HashMap, HashSet};
+use std::fmt::Write as _;
+
+use base::text::{Assembly, SourceFile, Span};
+use program::{ModuleText, Written};
+use syntax::Shader;
+use syntax::symbols::FunctionInfo;
+use syntax::wgsl::{MemberSyntax, ModuleItem, TypeSyntax};
+use syntax::words::words;
+
+/// What the name of a kernel ends with that is made up for a function.
+const CALLER: &str = "_caller";
+
+/// Number of the first binding that is made up: beyond those of any text.
+const FIRST: usize = 1 << 21;
+
+/// The text with a kernel that calls a function, and the name of the kernel; none where no such kernel can be made up.
+pub(super) fn with_caller(text: &ModuleText, function: &str) -> Option<(ModuleText, String)> {
+    let module = text.tree()?.wgsl()?;
+    let mut items = module.items.iter();
+    let (params, returns) = items.find_map(|item| match item {
+        ModuleItem::Function { name, params, returns, .. } if name.name == function => Some((params, returns)),
+        _ => None,
+    })?;
+    if !is_collective(text.tree()?, function) {
+        return None;
+    }
+    let file = text.file();
+    let kernel = format!("{}{CALLER}", function.trim_end_matches('_'));
+    if file.text().contains(&kernel) {
+        return None;
+    }
+    let mut caller = Caller { file, kernel: &kernel, declared: String::new(), body: String::new(), binding: FIRST };
+    let arguments: Option<Vec<String>> = params.iter().map(|param| caller.argument(param)).collect();
+    let call = format!("{function}({})", arguments?.join(", "));
+    caller.call(&call, returns.as_ref().map(|(_, ty)| file.slice(ty.span)));
+    let (mut out, end) = (Assembly::new(), file.text().len());
+    out.copy(file, Span::new(0, end));
+    out.insert(&caller.finish(module_size(file.text())), file, end);
+    let made = ModuleText::read(&out.finish(file.name()), Written::Wgsl).ok()?;
+    Some((made, kernel))
+}
+
+/// True for a function that invocations of a workgroup call together: it, or one that it calls, waits at a barrier or has
+/// memory of the workgroup.
+fn is_collective(tree: &Shader, function: &str) -> bool {
+    let Some(module) = tree.wgsl() else { return false };
+    let shared = |item: &ModuleItem| match item {
+        ModuleItem::Variable(own) if own.space.iter().any(|word| word.name == "workgroup") => {
+            Some(own.name.name.clone())
+        }
+        _ => None,
+    };
+    let shared: HashSet<String> = module.items.iter().filter_map(shared).collect();
+    let bodies: HashMap<&str, Span> =
+        tree.functions().filter_map(|(_, own)| Some((own.name.name.as_str(), body(tree, own)?))).collect();
+    let (mut open, mut seen) = (vec![function], HashSet::new());
+    while let Some(name) = open.pop() {
+        let Some(span) = bodies.get(name).filter(|_| seen.insert(name)) else { continue };
+        let within = tree.tokens().iter().filter(|token| span.touches(token.span));
+        for word in within.map(|token| tree.file().slice(token.span)) {
+            if word.ends_with("Barrier") || shared.contains(word) {
+                return true;
+            }
+            open.extend(bodies.get_key_value(word).map(|(name, _)| *name));
+        }
+    }
+    false
+}
+
+/// The place of a function.
+fn body(tree: &Shader, function: &FunctionInfo) -> Option<Span> {
+    tree.unit().items.get(function.definition?).map(|item| item.span)
+}
+
+/// Invocations of a workgroup: as many as an array of its memory has elements, which is how such memory is used.
+fn module_size(text: &str) -> u32 {
+    let behind = text.split("var<workgroup>").nth(1).and_then(|rest| rest.split(';').next());
+    let count = behind.and_then(|ty| ty.rsplit(',').next()).map(|count| count.trim_end_matches(['>', ' ', 'u']).trim());
+    count.and_then(|count| count.parse().ok()).filter(|count| (1..=256).contains(count)).unwrap_or(64)
+}
+
+struct Caller<'a> {
+    file: &'a SourceFile,
+    kernel: &'a str,
+    declared: String,
+    body: String,
+    binding: usize,
+}
+
+/// What an argument is by its name.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Number {
+    Global,
+    Local,
+    Group,
+}
+
+fn number(name: &str) -> Option<Number> {
+    let words = words(name);
+    let is = |all: &[&str]| words.iter().any(|word| all.contains(&word.as_str()));
+    match () {
+        () if is(&["workgroup", "group", "wg", "wid", "block", "tile"]) => Some(Number::Group),
+        () if is(&["local", "gi", "li", "lid", "tid", "lane", "thread"]) => Some(Number::Local),
+        () if is(&["global", "id", "gid", "invocation", "index", "idx", "i"]) => Some(Number::Global),
+        () => None,
+    }
+}
+
+impl Caller<'_> {
+    fn argument(&mut self, param: &MemberSyntax) -> Option<String> {
+        let ty = self.file.slice(param.ty.span);
+        if param.ty.name.name == "ptr" {
+            return self.pointer(&param.ty, &param.name.name);
+        }
+        let numbers = |number: Number| match number {
+            Number::Global => ("g", "g.x"),
+            Number::Local => ("l", "k"),
+            Number::Group => ("w", "w.x"),
+        };
+        let short: String = ty.chars().filter(|c| !c.is_whitespace()).collect();
+        if let Some((all, one)) = number(&param.name.name).map(numbers) {
+            match short.as_str() {
+                "u32" => return Some(one.to_owned()),
+                "i32" => return Some(format!("i32({one})")),
+                "vec2u" | "vec2<u32>" => return Some(format!("{all}.xy")),
+                "vec3u" | "vec3<u32>" => return Some(all.to_owned()),
+                "vec2i" | "vec2<i32>" => return Some(format!("vec2i({all}.xy)")),
+                _ => {}
+            }
+        }
+        // No host gives a truth value.
+        if short == "bool" {
+            return Some(format!("({} % 2u == 1u)", self.input(&param.name.name, "u32")));
+        }
+        Some(self.input(&param.name.name, ty))
+    }
+
+    /// A variable of the function or of the invocation, whose address is taken.
+    fn pointer(&mut self, ty: &TypeSyntax, name: &str) -> Option<String> {
+        let [space, pointee, ..] = &ty.args[..] else { return None };
+        let space = space.ty.as_ref()?.name.name.clone();
+        let pointee = self.file.slice(pointee.ty.as_ref()?.span);
+        let name = format!("{}_{name}", self.kernel);
+        match space.as_str() {
+            "function" => {
+                let _ = write!(self.body, "var {name}: {pointee}; ");
+            }
+            "private" | "workgroup" => {
+                let _ = writeln!(self.declared, "var<{space}> {name}: {pointee};");
+            }
+            _ => return None,
+        }
+        Some(format!("&{name}"))
+    }
+
+    fn input(&mut self, name: &str, ty: &str) -> String {
+        let name = format!("{}_{name}", self.kernel);
+        let binding = self.bind();
+        let _ = writeln!(self.declared, "@group(0) @binding({binding}) var<uniform> {name}: {ty};");
+        name
+    }
+
+    fn bind(&mut self) -> usize {
+        self.binding += 1;
+        self.binding
+    }
+
+    /// Calls the function. What it gives goes to a buffer, so that it counts.
+    fn call(&mut self, call: &str, gives: Option<&str>) {
+        let Some(ty) = gives else {
+            let _ = write!(self.body, "{call};");
+            return;
+        };
+        let (name, binding) = (format!("{}_result", self.kernel), self.bind());
+        let (ty, call) = if ty == "bool" { ("u32", format!("u32({call})")) } else { (ty, call.to_owned()) };
+        let _ = writeln!(self.declared, "@group(0) @binding({binding}) var<storage, read_write> {name}: array<{ty}>;");
+        let _ = write!(self.body, "let result = {call}; if g.x < arrayLength(&{name}) {{ {name}[g.x] = result; }}");
+    }
+
+    fn finish(self, size: u32) -> String {
+        format!(
+            "\n{}@compute @workgroup_size({size}) fn {}(@builtin(global_invocation_id) g: vec3u, \
+             @builtin(local_invocation_id) l: vec3u, @builtin(local_invocation_index) k: u32, \
+             @builtin(workgroup_id) w: vec3u) {{ {} }}\n",
+            self.declared, self.kernel, self.body
+        )
+    }
+}
