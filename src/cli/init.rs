@@ -21,9 +21,9 @@ use syntax::Stage;
 /// Existing files are never overwritten.
 #[derive(Args, Clone, Debug, Default)]
 pub struct InitArgs {
-    /// Folder, or one shader [default: the current folder]
-    #[arg(value_name = "FOLDER")]
-    pub folder: Option<PathBuf>,
+    /// Folders to search for shader files, and shader files
+    #[arg(value_name = "PATH", default_value = ".")]
+    pub paths: Vec<PathBuf>,
     /// Print the JSON Schema of suite files, for editors, and write nothing
     #[arg(long)]
     pub schema: bool,
@@ -61,27 +61,19 @@ pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow:
         writeln!(out, "{:#}", suite::schema())?;
         return Ok(ExitStatus::Clean);
     }
-    let root = args.folder.clone().unwrap_or_else(|| PathBuf::from("."));
-    let alone = root.is_file();
-    anyhow::ensure!(alone || root.is_dir(), "there is no file or folder `{}`", root.shown());
-    let folder = match root.parent() {
-        Some(folder) if alone && folder.as_os_str().is_empty() => Path::new("."),
-        Some(folder) if alone => folder,
-        _ => &root,
-    };
-    let (mut shaders, suites) = search(folder)?;
-    if alone {
-        let named = root.strip_prefix(".").unwrap_or(&root);
-        shaders.retain(|(path, _)| path == named);
+    let mut places: Vec<Place> = Vec::new();
+    for path in &args.paths {
+        place(path, &mut places)?;
     }
-    anyhow::ensure!(!shaders.is_empty(), "{}", below::none_in(&root));
+    let suites: BTreeSet<PathBuf> = places.iter().flat_map(|place| place.suites.iter().cloned()).collect();
     let known: Vec<(PathBuf, Suite)> = suites.iter().flat_map(|path| about(path)).collect();
     let mut names: BTreeSet<String> = known.iter().map(|(_, suite)| suite.name.clone()).collect();
     let devices = Wanted { stand_in: StandIn::Never, ..Wanted::named(&[]) }.open()?.lanes;
-    // As paths of shaders are: without a leading `.`.
-    let base = folder.strip_prefix(".").unwrap_or(folder);
     let mut written = 0;
-    for (path, stage) in &shaders {
+    let shaders = places.iter().flat_map(|place| place.shaders.iter().map(move |(path, stage)| (place, path, stage)));
+    for (place, path, stage) in shaders {
+        // As paths of shaders are: without a leading `.`.
+        let base = place.folder.strip_prefix(".").unwrap_or(&place.folder);
         let file = match super::includes::read(path, &super::compose::Given::default()) {
             Ok(source) => source.file,
             Err(error) => {
@@ -111,11 +103,45 @@ pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow:
             writeln!(err, "left out: {rest} more functions of {}", path.shown())?;
         }
     }
-    configuration(args, folder, out)?;
+    for place in &places {
+        configuration(args, &place.folder, out)?;
+    }
     writeln!(out, "\n{SNIPPET}")?;
-    writeln!(out, "Next: shadercheck check {}", folder.shown())?;
+    let folders: Vec<String> = places.iter().map(|place| place.folder.shown().to_string()).collect();
+    writeln!(out, "Next: shadercheck check {}", folders.join(" "))?;
     writeln!(out, "`shadercheck explain suite` tells every key of a suite file.")?;
     Ok(if written == 0 && known.is_empty() { ExitStatus::Findings } else { ExitStatus::Clean })
+}
+
+/// A folder with the shaders of it that are to get suites, and all of its suites.
+struct Place {
+    folder: PathBuf,
+    shaders: Vec<(PathBuf, Stage)>,
+    suites: Vec<PathBuf>,
+}
+
+/// Adds a folder, or a shader with its own.
+fn place(path: &Path, places: &mut Vec<Place>) -> anyhow::Result<()> {
+    let alone = path.is_file();
+    anyhow::ensure!(alone || path.is_dir(), "there is no file or folder `{}`", path.shown());
+    let folder = match path.parent() {
+        Some(folder) if alone && folder.as_os_str().is_empty() => Path::new("."),
+        Some(folder) if alone => folder,
+        _ => path,
+    };
+    let (mut shaders, suites) = search(folder)?;
+    if alone {
+        let named = path.strip_prefix(".").unwrap_or(path);
+        shaders.retain(|(path, _)| path == named);
+    }
+    anyhow::ensure!(!shaders.is_empty(), "{}", below::none_in(path));
+    let known = |shader: &(PathBuf, Stage)| places.iter().any(|place| place.shaders.contains(shader));
+    shaders.retain(|shader| !known(shader));
+    match places.iter_mut().find(|place| place.folder == folder) {
+        Some(place) => place.shaders.extend(shaders),
+        None => places.push(Place { folder: folder.to_owned(), shaders, suites }),
+    }
+    Ok(())
 }
 
 /// The shaders and the suites of a suite file; none where it cannot be read.

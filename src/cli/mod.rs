@@ -21,6 +21,7 @@ pub mod explain;
 #[cfg(feature = "run")]
 pub mod fuzz;
 #[cfg(feature = "run")]
+mod groups;
 mod hosts;
 #[cfg(feature = "run")]
 pub mod improve;
@@ -192,7 +193,7 @@ pub enum Command {
     Init(init::InitArgs),
     /// Find and repair mistakes in shaders and in the code that feeds them
     Lint(Box<lint::LintArgs>),
-    /// Serve an editor: findings while typing, repairs, navigation, over standard input and output
+    /// Serve an editor: findings while typing, repairs, navigation
     Lsp(lsp::LspArgs),
     /// Show the page of a lint rule
     Explain(explain::ExplainArgs),
@@ -272,7 +273,8 @@ impl Cli {
     pub fn read() -> Result<Self, clap::Error> {
         // `--version` is acted on where it stands, before what follows is read.
         let verbose = std::env::args_os().any(|argument| argument == "--verbose");
-        let command = if verbose { Self::command().version(version::VERBOSE) } else { Self::command() };
+        let command = groups::grouped(Self::command());
+        let command = if verbose { command.version(version::VERBOSE) } else { command };
         Self::from_arg_matches(&command.try_get_matches()?)
     }
 }

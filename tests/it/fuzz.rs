@@ -573,3 +573,23 @@ fn what_a_host_cuts_off_or_puts_in_front_of_a_kernel_is_no_error() {
     let (_, err) = run("stated.comp", &format!("#version 430\n{kernel}"), 0);
     assert!(!err.contains("it is read as"), "{err}");
 }
+
+#[test]
+fn a_kernel_of_fixed_arrays_is_dispatched_along_the_axis_that_it_asks_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |at: &str, rows: u32| {
+        let text = format!(
+            "struct S {{ h: array<array<atomic<u32>, 4>, {rows}> }}\n@group(0) @binding(0) var<storage, read_write> s: S;\n\
+             @compute @workgroup_size(1) fn main(@builtin(global_invocation_id) g: vec3u) {{ var sum = 0u;\n\
+             for (var d = 0u; d < 4u; d += 1u) {{ let t = atomicLoad(&s.h[{at}][d]); atomicStore(&s.h[{at}][d], sum); sum += t; }} }}\n"
+        );
+        fs::write(folder.path().join("rows.wgsl"), text).unwrap();
+        run_in(folder.path(), "fuzz rows.wgsl --samples 64 --lane embedded").out
+    };
+    for (at, rows) in [("g.x", 2), ("g.y", 2), ("g.z", 1)] {
+        let out = run(at, rows);
+        assert!(out.contains("0 findings, 0 warnings"), "{at} {rows} {out}");
+    }
+    // Two invocations share a row.
+    assert!(run("g.y / 2u", 4).contains("lost update"), "{}", run("g.y / 2u", 4));
+}

@@ -1,5 +1,6 @@
 //! Reports of `shadercheck mutate`.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
@@ -36,12 +37,19 @@ impl Summary {
     }
 }
 
-/// The report for people: survivors with their diffs, then a table of suites and one of operators.
+/// The report for people: the score, a table of suites and one of operators, then what survived.
 pub fn text(summary: &Summary) -> String {
-    let mut text = String::new();
-    for suite in &summary.suites {
-        survivors(&mut text, suite);
-    }
+    let samples = summary.suites.iter().map(|s| s.samples).max().unwrap_or(0);
+    let (all, above) = (summary.score(), summary.score_above_ulp());
+    let mut text = format!(
+        "{} of {} mutants that moved an output were killed, {}, at {samples} samples on {}; {} without {CONSTANT_ULP}; {} with unmoved ones as survivors\n\n",
+        all.killed,
+        all.killed + all.survived,
+        percent(all.share()),
+        summary.lane,
+        percent(above.share()),
+        percent(all.pessimistic()),
+    );
     let _ = writeln!(text, "{}", heading("suite"));
     for suite in &summary.suites {
         let _ = writeln!(text, "{}", row(&suite.suite, suite.score(), suite.score_above_ulp()));
@@ -60,21 +68,12 @@ pub fn text(summary: &Summary) -> String {
         let line = format!("{}  {}", row.trim_end_matches('-').trim_end(), checks(&of));
         let _ = writeln!(text, "{}", line.trim_end());
     }
+    for suite in &summary.suites {
+        survivors(&mut text, suite);
+    }
     for (suite, why) in &summary.failed {
         let _ = writeln!(text, "\nerror: {suite}: {why}");
     }
-    let samples = summary.suites.iter().map(|s| s.samples).max().unwrap_or(0);
-    let (all, above) = (summary.score(), summary.score_above_ulp());
-    let _ = writeln!(
-        text,
-        "\n{} of {} mutants that moved an output were killed, {}, at {samples} samples on {}; {} without {CONSTANT_ULP}; {} with unmoved ones as survivors",
-        all.killed,
-        all.killed + all.survived,
-        percent(all.share()),
-        summary.lane,
-        percent(above.share()),
-        percent(all.pessimistic()),
-    );
     text
 }
 
@@ -111,42 +110,47 @@ fn checks(tested: &[&Tested]) -> String {
     parts.join(", ")
 }
 
-/// Everything that was not killed, in the order of the mutants; small literals at the end, in one
-/// line each, since they are many and expected.
+/// Everything that was not killed, by the lines of the shader: each line once, with one line for each mutant of it.
 fn survivors(text: &mut String, suite: &SuiteResult) {
-    let left: Vec<&Tested> = suite.tested.iter().filter(|t| !matches!(t.outcome, Outcome::Killed(_))).collect();
-    let (small, large): (Vec<&Tested>, Vec<&Tested>) = left.into_iter().partition(|t| t.operator == CONSTANT_ULP);
-    for tested in large {
-        let _ = writeln!(text, "{} {}", head(suite, tested), fate(&tested.outcome));
-        for line in tested.diff.lines().skip(2) {
-            let _ = writeln!(text, "    {line}");
+    let mut by_line: BTreeMap<usize, Vec<&Tested>> = BTreeMap::new();
+    for tested in suite.tested.iter().filter(|t| !matches!(t.outcome, Outcome::Killed(_))) {
+        by_line.entry(tested.line).or_default().push(tested);
+    }
+    for (line, mutants) in by_line {
+        let own = mutants[0].diff.lines().skip(2).find_map(|line| line.strip_prefix('-'));
+        let _ = writeln!(text, "\n{}:{line}: {}", suite.shader, own.unwrap_or_default().trim());
+        for tested in mutants {
+            let Tested { column, operator, what, outcome, .. } = tested;
+            let _ = writeln!(text, "  {column}: {operator}: {what}: {}", fate(outcome));
         }
-        text.push('\n');
     }
-    for tested in &small {
-        let _ = writeln!(text, "{} {}", head(suite, tested), fate(&tested.outcome));
-    }
-    if !small.is_empty() {
-        text.push('\n');
-    }
-}
-
-fn head(suite: &SuiteResult, tested: &Tested) -> String {
-    format!("{}:{}:{}: {}: {}:", suite.shader, tested.line, tested.column, tested.operator, tested.what)
 }
 
 fn fate(outcome: &Outcome) -> String {
     match outcome {
         Outcome::Killed(kill) => format!("killed by {}", kill.name()),
         Outcome::Survived(movement) => match &movement.component {
-            Some(component) => {
-                format!("survived; {component} moved by {:.2} of what a lane may be off at most", movement.bounds)
+            Some(component) if movement.bounds.is_finite() => {
+                format!(
+                    "survived; `{component}` changes by up to {} times the largest error of a lane",
+                    times(movement.bounds)
+                )
             }
-            None => "survived; outputs moved only where nothing is judged".to_owned(),
+            Some(component) => format!("survived; `{component}` has no finite value any more"),
+            None => "survived; outputs change only where nothing is judged".to_owned(),
         },
         Outcome::Unmoved => "unmoved: every output means the same on all samples".to_owned(),
         Outcome::Equivalent(why) => format!("equivalent: {why}"),
         Outcome::Invalid(why) => format!("invalid: {why}"),
+    }
+}
+
+/// A factor with as many digits as anyone reads.
+fn times(factor: f64) -> String {
+    match factor {
+        _ if factor >= 1e6 => format!("{factor:.0e}"),
+        _ if factor >= 100.0 => format!("{factor:.0}"),
+        _ => format!("{factor:.2}"),
     }
 }
 
@@ -257,19 +261,28 @@ mod tests {
     }
 
     #[test]
-    fn the_text_shows_survivors_with_their_diff_and_how_far_they_moved() {
+    fn the_text_begins_with_the_score_and_shows_survivors_by_their_lines() {
         let text = text(&summary());
         for part in [
-            "sphere.vert:3:5: arithmetic: `+` becomes `-`: survived; gl_Position.x moved by 0.25 of what a lane may be off at most",
-            "    +x - y",
+            "\nsphere.vert:3: x + y\n",
+            "  5: arithmetic: `+` becomes `-`: survived; `gl_Position.x` changes by up to 0.25 times the largest error of a lane\n",
             "invalid: it does not compile",
             "relation 1",
             "error: bent: no",
-            "1 of 3 mutants that moved an output were killed, 33.3 %, at 512 samples on soft; 50.0 % without constant-ulp",
         ] {
             assert!(text.contains(part), "{part}\n{text}");
         }
-        assert_eq!(text.matches("+x - y").count(), 2, "small literals come without a diff\n{text}");
+        let score = "1 of 3 mutants that moved an output were killed, 33.3 %, at 512 samples on soft; 50.0 % without constant-ulp";
+        assert!(text.starts_with(score), "{text}");
+        assert_eq!(text.matches("x + y").count(), 1, "a line stands once\n{text}");
+    }
+
+    #[test]
+    fn a_distance_is_told_with_the_digits_that_count() {
+        let told = |bounds| fate(&Outcome::Survived(Movement { samples: 1, bounds, component: Some("c.x".into()) }));
+        assert!(told(278_473_557_097.02).contains("up to 3e11 times"), "{}", told(278_473_557_097.02));
+        assert!(told(13_714.07).contains("up to 13714 times"));
+        assert_eq!(told(f64::INFINITY), "survived; `c.x` has no finite value any more");
     }
 
     #[test]

@@ -347,3 +347,21 @@ fn several_suites_in_a_file_share_what_stands_at_its_top() {
         assert!(format!("{}{}", ran.out, ran.err).contains(message), "{message}: {ran:?}");
     }
 }
+
+#[test]
+fn several_shaders_are_named_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("more")).unwrap();
+    for name in ["a.glsl", "b.glsl", "other.glsl", "more/c.glsl"] {
+        fs::write(folder.path().join(name), "float f(float x) { return x * x; }\n").unwrap();
+    }
+    let ran = run_in(folder.path(), "init a.glsl b.glsl ./a.glsl more").expect(0);
+    for written in ["wrote a.suite.toml", "wrote b.suite.toml", "wrote more/c.suite.toml"] {
+        assert_eq!(ran.out.matches(written).count(), 1, "{written}\n{}", ran.out);
+    }
+    assert!(!ran.out.contains("other"), "{}", ran.out);
+    assert!(ran.out.contains("Next: shadercheck check . more"), "{}", ran.out);
+    run_in(folder.path(), "check . --lane embedded --samples 256").expect(0);
+    let ran = run_in(folder.path(), "init a.glsl gone.glsl").expect(2);
+    assert!(ran.err.contains("there is no file or folder `gone.glsl`"), "{}", ran.err);
+}

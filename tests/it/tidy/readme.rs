@@ -139,8 +139,9 @@ fn the_options_in_pages_of_rules_exist() {
 #[test]
 fn the_options_in_help_texts_exist() {
     let list = help_of(&[]).expect("the program has help");
-    let below = list.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
-    let commands: Vec<&str> = below.filter_map(|line| line.split_whitespace().next()).collect();
+    let below = list.lines().skip_while(|line| *line != "Every day:").take_while(|line| *line != "Options:");
+    let named = below.filter(|line| line.starts_with("  "));
+    let commands: Vec<&str> = named.filter_map(|line| line.split_whitespace().next()).collect();
     assert!(commands.len() > 8, "{list}");
     let help: String = commands.iter().filter_map(|command| help_of(&[command])).collect();
     assert_eq!(undeclared(&help), [""; 0]);

@@ -138,9 +138,10 @@ impl Dispatched {
             return vec![self.size];
         }
         if let Some(fixed) = self.fixed_elements() {
-            let mut items = self.size;
-            let rest: u32 = items[1..].iter().product();
-            items[0] = fixed.div_ceil(rest.max(1)).max(1);
+            // Along the axis that the kernel asks for.
+            let (mut items, axis) = (self.size, self.axes[0]);
+            let rest: u32 = items.iter().enumerate().filter(|(k, _)| *k != axis).map(|(_, count)| count).product();
+            items[axis] = fixed.div_ceil(rest.max(1)).max(1);
             return vec![items];
         }
         let along = |axis: usize, k: usize| {
@@ -164,7 +165,8 @@ impl Dispatched {
         all
     }
 
-    /// Elements of the longest array that hosts fill, where all of them have a fixed size.
+    /// Elements of the longest array that hosts fill, where all of them have a fixed size. Of arrays in an array, it is that
+    /// one which has the elements that invocations are numbered by.
     pub(super) fn fixed_elements(&self) -> Option<u32> {
         let storage = || self.executable.memories().iter().filter(|shape| matches!(shape.space, Space::Storage { .. }));
         if storage().any(|shape| shape.array.is_some()) {
@@ -172,8 +174,7 @@ impl Dispatched {
         }
         let elements = |shape: &MemoryShape| {
             let first = shape.fixed.iter().find(|leaf| leaf.name.contains("[]"))?;
-            let same = shape.fixed.iter().filter(|leaf| leaf.name == first.name && leaf.component == first.component);
-            u32::try_from(same.count()).ok().filter(|&n| n > 1)
+            first.lens.first().copied()
         };
         storage().filter_map(elements).max()
     }
