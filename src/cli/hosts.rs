@@ -8,6 +8,7 @@ use base::text::SourceFile;
 use disk::{Budget, hosts_around};
 use engine::completion::{Offer, macro_name};
 use hosts::defined::HostMacros;
+use syntax::{Shader, Stage};
 
 /// Words of which a file that builds shaders says at least one.
 const TELLING: [&str; 8] = ["shader", "Shader", "SHADER", "glsl", "GLSL", "wgsl", "spv", "SPIR"];
@@ -52,6 +53,24 @@ impl Hosts {
         found
     }
 
+    /// Files around a shader that define functions of some of these names, and have no `main`: of the nearest folder that has
+    /// such a file, and for each name only where one file defines it.
+    pub fn siblings(&mut self, shader: &Path, names: &[String]) -> Vec<SourceFile> {
+        let mut found: Vec<(SourceFile, Vec<String>)> = Vec::new();
+        let own = shader.canonicalize().ok();
+        hosts_around(shader, &is_glsl, &mut |paths| {
+            for path in paths.iter().filter(|path| path.canonicalize().ok() != own) {
+                let Some(file) = self.budget.read(path) else { continue };
+                let Some(defined) = defined(&file, names) else { continue };
+                found.push((file, defined));
+            }
+            found.is_empty()
+        });
+        let times = |name: &String| found.iter().filter(|(_, defined)| defined.contains(name)).count();
+        let sure: Vec<bool> = found.iter().map(|(_, defined)| defined.iter().any(|name| times(name) == 1)).collect();
+        found.into_iter().zip(sure).filter(|(_, sure)| *sure).map(|((file, _), _)| file).collect()
+    }
+
     fn host(&mut self, path: &Path) -> Option<Arc<Host>> {
         if let Some(known) = self.read.get(path) {
             return known.clone();
@@ -63,6 +82,23 @@ impl Hosts {
         self.read.insert(path.to_owned(), host.clone());
         host
     }
+}
+
+/// The functions of some names that a library defines; none where it defines none of them, or is a shader by itself.
+fn defined(file: &SourceFile, names: &[String]) -> Option<Vec<String>> {
+    let text = file.text();
+    if !names.iter().any(|name| text.contains(&format!("{name}("))) || text.contains("#version") {
+        return None;
+    }
+    let shader = Shader::parse(file, Stage::Library).shader;
+    let is_defined = |name: &&String| shader.function(name).is_some_and(|own| own.definition.is_some());
+    let defined: Vec<String> = names.iter().filter(is_defined).cloned().collect();
+    (!defined.is_empty() && shader.function("main").is_none()).then_some(defined)
+}
+
+/// True for a file of GLSL.
+fn is_glsl(path: &Path) -> bool {
+    matches!(hosts::language_of(&path.to_string_lossy()), Some(hosts::Language::Shader(_)))
 }
 
 /// True for a file of host code, or with commands.

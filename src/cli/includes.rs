@@ -1,5 +1,6 @@
 //! Shader files with their includes, for commands that run them.
 
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use super::compose::Given;
@@ -217,11 +218,13 @@ impl IncludedText {
         }
         let with = |completed: &Completed| self.parsed_with(defines, completed);
         let stated = |name: &str| defines.iter().any(|(known, _)| macro_name(known) == macro_name(name));
+        let hosts = RefCell::new(hosts);
+        let mut siblings = |names: &[String]| hosts.borrow_mut().siblings(&self.path, names);
         let mut offers = |names: &[String]| {
-            let offers = hosts.offers(&self.path, names);
+            let offers = hosts.borrow_mut().offers(&self.path, names);
             offers.into_iter().filter(|offer| !stated(&offer.name)).collect::<Vec<_>>()
         };
-        let completed = completion::completed(&with, &mut offers).unwrap_or_default();
+        let completed = completion::completed(&with, &mut offers, &mut siblings).unwrap_or_default();
         let version = self.assumed_version(defines);
         Self { completed, version, ..self }
     }

@@ -20,8 +20,8 @@ mod document;
 pub mod explain;
 #[cfg(feature = "run")]
 pub mod fuzz;
-#[cfg(feature = "run")]
 mod groups;
+#[cfg(feature = "run")]
 mod hosts;
 #[cfg(feature = "run")]
 pub mod improve;

@@ -230,10 +230,12 @@ impl Absent {
         self.0.sort_by(|a, b| (&a.0, &a.1.why, &a.1.remedy).cmp(&(&b.0, &b.1.why, &b.1.remedy)));
     }
 
-    /// The lanes among those that this program knows.
+    /// The lanes among those that this program knows, in its order.
     pub fn known(self) -> Vec<(&'static str, Unavailable)> {
-        let named = |name: &str| Some(lanes::registry().iter().find(|c| c.name == name)?.name);
-        self.0.into_iter().filter_map(|(name, why)| Some((named(&name)?, why))).collect()
+        let place = |name: &str| lanes::registry().iter().position(|candidate| candidate.name == name);
+        let mut known: Vec<_> = self.0.into_iter().filter_map(|(name, why)| Some((place(&name)?, why))).collect();
+        known.sort_by_key(|(place, _)| *place);
+        known.into_iter().map(|(place, why)| (lanes::registry()[place].name, why)).collect()
     }
 }
 

@@ -113,3 +113,24 @@ fn a_function_of_a_workgroup_is_run_by_a_kernel_that_is_made_up() {
     let ran = fuzz("part.wgsl", &right.replace("workgroupBarrier();\n", ""), "").expect(0);
     assert!(ran.out.contains("warning: reversed: race"), "{ran:?}");
 }
+
+#[test]
+fn functions_of_another_file_of_the_project_are_taken_from_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    file(
+        "noise.glsl",
+        "float hash(float x) { return fract(sin(x) * 43.5); }\nfloat noise(vec2 p) { return hash(p.x + lacunarity * p.y); }\n",
+    );
+    file("part.glsl", "float height(vec2 p) { return 1.0 / noise(p); }\n");
+    let run = || run_in(folder.path(), "fuzz part.glsl --lane embedded --samples 4096").expect(0);
+    let ran = run();
+    assert!(ran.err.contains("functions that are missing are taken from noise.glsl"), "{ran:?}");
+    assert!(ran.err.contains("`lacunarity` as `float`") && !ran.err.contains("`noise` as"), "{ran:?}");
+    // Those of the other file are not tested here, and a fault there is told at its place.
+    assert!(ran.out.contains("1 function run, 0 not run") && ran.out.contains("noise.glsl:1:"), "{ran:?}");
+    // Two files that define it leave open which one is meant.
+    file("other.glsl", "float noise(vec2 p) { return p.x; }\n");
+    let ran = run();
+    assert!(ran.err.contains("`noise` as a function that gives `float`") && !ran.err.contains("taken from"), "{ran:?}");
+}

@@ -32,6 +32,8 @@ pub(super) enum Form {
     Function(Vec<Vec<Param>>, Gives),
     /// A line that asks for a file which is not there, with its bytes: it is left out.
     Include(usize),
+    /// Another file of the project, and the functions that it defines.
+    File(SourceFile, Vec<String>),
 }
 
 /// A type, and how many elements an array of it has.
@@ -74,6 +76,7 @@ impl Stand {
         match &self.form {
             Form::Structure(_) => "a structure".to_owned(),
             Form::Include(_) => "nothing".to_owned(),
+            Form::File(..) => "a file".to_owned(),
             Form::Variable(_, shape) if shape.ty.ends_with(MADE) => format!("a structure{}", shape.dims()),
             Form::Variable(_, shape) => format!("`{}{}`", shape.ty, shape.dims()),
             Form::Function(overloads, gives) => match (gives, overloads.first().and_then(|first| first.first())) {
@@ -94,7 +97,15 @@ impl Stand {
         match self.form {
             Form::Variable(..) => input == self.name,
             Form::Function(..) => given(),
-            Form::Structure(_) | Form::Include(_) => false,
+            Form::Structure(_) | Form::Include(_) | Form::File(..) => false,
+        }
+    }
+
+    /// True for a function that comes with it.
+    pub(super) fn brings(&self, function: &str) -> bool {
+        match &self.form {
+            Form::File(_, functions) => functions.iter().any(|own| own == function),
+            _ => self.name == function,
         }
     }
 
@@ -121,6 +132,7 @@ impl Stand {
         let name = &self.name;
         match &self.form {
             Form::Include(len) => " ".repeat(*len),
+            Form::File(file, _) => format!("{}\n", file.text()),
             Form::Structure(members) if members.is_empty() => format!("struct {name} {{ int unused_; }};\n"),
             Form::Structure(members) => {
                 let member =
@@ -169,7 +181,7 @@ impl Stand {
     /// The types that it needs.
     fn needs(&self) -> Vec<&str> {
         match &self.form {
-            Form::Include(_) => Vec::new(),
+            Form::Include(_) | Form::File(..) => Vec::new(),
             Form::Structure(members) => members.iter().map(|(_, shape)| shape.ty.as_str()).collect(),
             Form::Variable(_, shape) => vec![&shape.ty],
             Form::Function(overloads, gives) => {
@@ -197,16 +209,18 @@ fn after_arguments(params: &[Param], gives: &str) -> String {
 }
 
 /// What stands in a text, by its place.
-struct Put {
+struct Put<'s> {
     /// Bytes from its place to the end of the text.
     before_end: usize,
     text: String,
+    /// The file whose text it is, between two line breaks.
+    of: Option<&'s SourceFile>,
     /// Bytes of the text that it stands for: as many as it has.
     covers: usize,
 }
 
 /// The declarations with their places, the first place first; a structure stands before what needs it.
-fn in_order(stands: &[Stand], text: &str) -> Vec<Put> {
+fn in_order<'s>(stands: &'s [Stand], text: &str) -> Vec<Put<'s>> {
     let mut at: Vec<usize> = stands.iter().map(|stand| stand.before_end).collect();
     for _ in stands {
         for k in 0..stands.len() {
@@ -218,7 +232,9 @@ fn in_order(stands: &[Stand], text: &str) -> Vec<Put> {
         }
     }
     let rank = |form: &Form| match form {
+        // What a file brings may need what the text lacks.
         Form::Structure(_) | Form::Include(_) => 0,
+        Form::File(..) => 3,
         Form::Variable(..) => 1,
         Form::Function(..) => 2,
     };
@@ -227,10 +243,11 @@ fn in_order(stands: &[Stand], text: &str) -> Vec<Put> {
     order.sort_by_key(|&k| (Reverse(at[k]), rank(&stands[k].form), Reverse(k)));
     let put = |k: usize| {
         let (before_end, declaration) = (at[k], stands[k].declaration(text));
-        match stands[k].form {
-            Form::Include(covers) => Put { before_end, text: declaration, covers },
+        match &stands[k].form {
+            Form::Include(covers) => Put { before_end, text: declaration, of: None, covers: *covers },
+            Form::File(file, _) => Put { before_end, text: format!("\n{declaration}"), of: Some(file), covers: 0 },
             // Behind a line comment, there is none.
-            _ => Put { before_end, text: format!("\n{declaration}"), covers: 0 },
+            _ => Put { before_end, text: format!("\n{declaration}"), of: None, covers: 0 },
         }
     };
     order.into_iter().map(put).collect()
@@ -242,10 +259,17 @@ pub(super) fn put(stands: &[Stand], file: &SourceFile) -> SourceFile {
         return file.clone();
     }
     let (mut out, mut done, end) = (Assembly::new(), 0, file.text().len());
-    for Put { before_end, text, covers } in in_order(stands, file.text()) {
+    for Put { before_end, text, of, covers } in in_order(stands, file.text()) {
         let place = end.saturating_sub(before_end).max(done);
         out.copy(file, Span::new(done, place));
-        out.replace(&text, file, Span::new(place, place + covers));
+        match of {
+            Some(sibling) => {
+                out.insert("\n", file, place);
+                out.copy(sibling, Span::new(0, sibling.text().len()));
+                out.insert("\n", file, place);
+            }
+            None => out.replace(&text, file, Span::new(place, place + covers)),
+        }
         done = place + covers;
     }
     out.copy(file, Span::new(done, end));
@@ -277,12 +301,15 @@ pub fn declared_notes(stands: &[Stand]) -> Vec<String> {
         let more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };
         format!("{}{more}", first.join(", "))
     };
+    let (files, stands): (Vec<&Stand>, Vec<&Stand>) =
+        stands.iter().partition(|stand| matches!(stand.form, Form::File(..)));
     let (includes, names): (Vec<&Stand>, Vec<&Stand>) =
-        stands.iter().partition(|stand| matches!(stand.form, Form::Include(_)));
+        stands.into_iter().partition(|stand| matches!(stand.form, Form::Include(_)));
     let named = names.iter().filter(|stand| !stand.name.ends_with(MADE));
     let told: Vec<String> = named.map(|stand| format!("`{}` as {}", stand.name, stand.what())).collect();
     let lines: Vec<String> = includes.iter().map(|stand| format!("`{}`", stand.name)).collect();
-    let mut notes = Vec::new();
+    let mut notes: Vec<String> =
+        files.iter().map(|stand| format!("functions that are missing are taken from {}", stand.name)).collect();
     if !lines.is_empty() {
         notes.push(format!("not found, and left out: {}; name the folder with `-I FOLDER`", list(&lines)));
     }

@@ -384,7 +384,7 @@ mod tests {
 
     fn of(text: &str) -> Option<Assumed> {
         let file = SourceFile::new("k.comp", format!("#version 450\n{text}"));
-        let found = completed(&|with| parsed(&file, with), &mut |_| Vec::new());
+        let found = completed(&|with| parsed(&file, with), &mut |_| Vec::new(), &mut |_| Vec::new());
         found.map(|found| found.assumed)
     }
 
@@ -425,10 +425,11 @@ mod tests {
 
     fn with(text: &str, all: &[Offer]) -> Option<Completed> {
         let file = SourceFile::new("k.comp", format!("#version 450\n{text}"));
-        completed(&|with| parsed(&file, with), &mut |names| {
+        let mut offers = |names: &[String]| {
             let about = |offer: &&Offer| offer.named || names.iter().any(|name| macro_name(&offer.name) == name);
             all.iter().filter(about).cloned().collect()
-        })
+        };
+        completed(&|with| parsed(&file, with), &mut offers, &mut |_| Vec::new())
     }
 
     #[test]

@@ -28,6 +28,9 @@ pub use declared::{Stand, declared_notes};
 pub use macros::{Assumed, Offer, Offers, assumption_note, macro_name, taken_notes};
 use search::Search;
 
+/// Other files of the project that define functions of these names and are no shaders by themselves, the nearest first.
+pub type Siblings<'s> = dyn FnMut(&[String]) -> Vec<SourceFile> + 's;
+
 /// Reads a text with what stands for names that it lacks.
 pub type Parse<'p> = dyn Fn(&Completed) -> Parsed + 'p;
 
@@ -51,7 +54,7 @@ impl Completed {
 
     /// True for a function that is assumed: nobody wrote it.
     pub fn is_assumed(&self, function: &str) -> bool {
-        self.declared.iter().any(|stand| stand.name == function)
+        self.declared.iter().any(|stand| stand.brings(function))
     }
 
     /// Takes findings of a function that has assumed inputs for warnings: what a host gives them is not known. What a lane is
@@ -79,10 +82,10 @@ impl Completed {
 }
 
 /// What stands for the names that a text lacks, which `parse` reads with them: what host code of the project defines, or else
-/// something plain, or an input; whether numbers of 8 bits in buffers take the place of those of 32; and the size of workgroups
+/// something plain, other files, or an input; whether numbers of 8 bits in buffers take the place of those of 32; and the size of workgroups
 /// that is left to the host. None where nothing is lacking, or the text has errors whatever is tried.
-pub fn completed(parse: &Parse<'_>, offers: &mut Offers<'_>) -> Option<Completed> {
-    let mut all = names(parse, offers).unwrap_or_default();
+pub fn completed(parse: &Parse<'_>, offers: &mut Offers<'_>, siblings: &mut Siblings<'_>) -> Option<Completed> {
+    let mut all = names(parse, offers, siblings).unwrap_or_default();
     let parsed = parse(&all);
     if errors(&parsed) == 0 && has_bytes_in_buffers(&parsed) {
         all.assumed.push((WIDE_BYTES.to_owned(), "1".to_owned()));
@@ -95,7 +98,7 @@ pub fn completed(parse: &Parse<'_>, offers: &mut Offers<'_>) -> Option<Completed
 }
 
 /// What stands for names that a text lacks, so that it has no errors. Macros are enough for most kernels.
-fn names(parse: &Parse<'_>, offers: &mut Offers<'_>) -> Option<Completed> {
+fn names(parse: &Parse<'_>, offers: &mut Offers<'_>, siblings: &mut Siblings<'_>) -> Option<Completed> {
     let plain = parse(&Completed::default());
     // A version that stands elsewhere, or another language, is more than a name.
     let is_whole = plain.shader.lacking().is_empty() && search::includes(&plain).is_empty();
@@ -107,10 +110,10 @@ fn names(parse: &Parse<'_>, offers: &mut Offers<'_>) -> Option<Completed> {
         return Some(found);
     }
     // A name of host code need not be the one that is meant.
-    let with_offers = Search::new(parse, &plain).run(&plain, offers);
+    let with_offers = Search::new(parse, &plain).run(&plain, offers, siblings);
     Some(with_offers)
         .filter(done)
-        .or_else(|| Some(Search::new(parse, &plain).run(&plain, &mut |_| Vec::new())).filter(done))
+        .or_else(|| Some(Search::new(parse, &plain).run(&plain, &mut |_| Vec::new(), siblings)).filter(done))
 }
 
 fn with_macros(macros: &[(String, String)], declared: &[Stand]) -> Completed {

@@ -7,13 +7,16 @@ use syntax::errors;
 use syntax::symbols::{Symbol, SymbolId, SymbolKind};
 use syntax::types::Type;
 use syntax::words::words;
-use syntax::{Lacks, Parsed, Profile, Shader, Token, TokenKind, TokenPlace};
+use syntax::{Lacks, Parsed, Profile, Shader, Stage, Token, TokenKind, TokenPlace};
 
 use super::declared::{self, Form, Gives, MADE, Param, Shape, Stand};
-use super::{Assumed, Completed, Offers, Parse, macros, with_macros};
+use super::{Assumed, Completed, Offers, Parse, Siblings, macros, with_macros};
 
 /// Declarations that are assumed at most: a text that lacks more is a small part of another.
 const MOST: usize = 96;
+
+/// Files that are put in at most.
+const MOST_FILES: usize = 8;
 
 /// Macros that hold nothing at most.
 const MOST_EMPTY: usize = 8;
@@ -135,8 +138,9 @@ impl<'p> Search<'p> {
     }
 
     /// All that stands for what the text lacks.
-    pub(super) fn run(mut self, plain: &Parsed, offers: &mut Offers<'_>) -> Completed {
+    pub(super) fn run(mut self, plain: &Parsed, offers: &mut Offers<'_>, siblings: &mut Siblings<'_>) -> Completed {
         self.includes(plain);
+        self.siblings(siblings);
         self.empty_macros();
         self.structures();
         let (declared, empty, parse) = (self.done.declared.clone(), self.done.assumed.clone(), self.parse);
@@ -148,6 +152,38 @@ impl<'p> Search<'p> {
         }
         self.rest();
         self.done
+    }
+
+    /// Puts in other files that define functions which are lacking, if they bring no errors.
+    fn siblings(&mut self, siblings: &mut Siblings<'_>) {
+        let mut tried: Vec<String> = Vec::new();
+        for _ in 0..MOST_FILES {
+            let parsed = self.parsed();
+            let lacking = parsed.shader.lacking().iter().filter(|(_, what)| *what == Lacks::Function);
+            let names: Vec<String> =
+                lacking.map(|(name, _)| name.clone()).filter(|name| !tried.contains(name)).collect();
+            if names.is_empty() {
+                return;
+            }
+            let before = self.others(&parsed);
+            for file in siblings(&names) {
+                let library = Shader::parse(&file, Stage::Library).shader;
+                let functions = library.functions().filter(|(_, own)| own.definition.is_some());
+                let functions: Vec<String> = functions.map(|(_, own)| own.name.name.clone()).collect();
+                let now = self.parsed();
+                let open = |name: &&String| now.shader.lacking().iter().any(|(lacking, _)| lacking == *name);
+                let used: Vec<&String> = functions.iter().filter(open).collect();
+                let Some(place) = used.iter().map(|name| self.place(&now.shader, name)).max() else { continue };
+                let used: Vec<String> = used.into_iter().cloned().collect();
+                self.add_at(place, file.name(), Form::File(file.clone(), functions));
+                let with = self.parsed();
+                let left = with.shader.lacking().iter().any(|(name, _)| used.contains(name));
+                if left || self.others(&with) > before {
+                    self.done.declared.pop();
+                }
+            }
+            tried.extend(names);
+        }
     }
 
     /// Takes words in capitals that stand where a declaration or a statement is expected for macros that hold nothing.
@@ -227,7 +263,7 @@ impl<'p> Search<'p> {
         };
         let mut stands = std::mem::take(&mut self.done.declared);
         stands.retain_mut(|stand| {
-            let has = matches!(stand.form, Form::Include(_)) || has_members(&stand.name);
+            let has = matches!(stand.form, Form::Include(_) | Form::File(..)) || has_members(&stand.name);
             if !has && let Some(members) = made_of(&shader, &stand.name) {
                 stand.form = Form::Structure(members);
                 return true;
@@ -310,7 +346,7 @@ impl<'p> Search<'p> {
                         own.name == *ty
                             && asked.members.iter().all(|asked| members.iter().any(|(name, _)| name == asked))
                     }
-                    Form::Variable(..) | Form::Function(..) | Form::Include(_) => false,
+                    Form::Variable(..) | Form::Function(..) | Form::Include(_) | Form::File(..) => false,
                 };
                 let assumed = |own: &Stand| own.name == *ty;
                 !self.done.declared.iter().any(assumed) || self.done.declared.iter().any(has)

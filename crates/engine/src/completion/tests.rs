@@ -13,7 +13,7 @@ fn parsed(file: &SourceFile, with: &Completed) -> Parsed {
 /// What each name is taken for.
 fn of(text: &str) -> Option<Vec<String>> {
     let file = SourceFile::new("a.frag", text);
-    let found = completed(&|with| parsed(&file, with), &mut |_| Vec::new())?;
+    let found = completed(&|with| parsed(&file, with), &mut |_| Vec::new(), &mut |_| Vec::new())?;
     let read = parsed(&file, &found);
     assert_eq!(errors(&read), 0, "{}", read.shader.file().text());
     Some(found.declared.iter().map(|stand| format!("{} {}", stand.name, stand.what().replace('`', ""))).collect())
@@ -96,7 +96,7 @@ fn declarations_lead_to_their_uses_and_move_no_line() {
     let text =
         "float one(float x) { return x; }\n\n// shadercheck: x in [0, 1]\nfloat two(float x) { return scale * x; }\n";
     let file = SourceFile::new("a.frag", text);
-    let found = completed(&|with| parsed(&file, with), &mut |_| Vec::new()).unwrap();
+    let found = completed(&|with| parsed(&file, with), &mut |_| Vec::new(), &mut |_| Vec::new()).unwrap();
     let put = found.put(&file);
     for word in ["float two", "scale * x"] {
         let (at, own) = (put.text().find(word).unwrap(), text.find(word).unwrap());

@@ -77,7 +77,7 @@ impl Search<'_> {
                 Form::Structure(members) => members.iter().map(|(_, shape)| shape.ty.clone()).collect(),
                 Form::Variable(_, shape) => vec![shape.ty.clone()],
                 Form::Function(_, Gives::Always(ty)) => vec![ty.clone()],
-                Form::Function(..) | Form::Include(_) => Vec::new(),
+                Form::Function(..) | Form::Include(_) | Form::File(..) => Vec::new(),
             }
         };
         let made = self.choices.iter().flat_map(|choice| shapes(&choice.stand.form)).filter(|ty| ty.ends_with(MADE));

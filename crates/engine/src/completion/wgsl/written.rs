@@ -37,8 +37,8 @@ fn declaration(out: &mut String, stand: &Stand, (binding, text): (usize, &str)) 
     let name = &stand.name;
     let bound = |space: &str| format!("@group(0) @binding({binding}) var{space} ");
     let _ = match &stand.form {
-        // Only texts of GLSL have lines for the preprocessor here.
-        Form::Include(_) => Ok(()),
+        // Only texts of GLSL have lines for the preprocessor here, and files in them.
+        Form::Include(_) | Form::File(..) => Ok(()),
         Form::Structure(members) => {
             let mut places = 0;
             let member = |(name, shape): &(String, Shape)| {
