@@ -173,6 +173,17 @@ fn is_of_a_subgroup(name: &str) -> bool {
     name.starts_with("subgroup") && !apart.iter().any(|part| name.contains(part))
 }
 
+/// True for an argument whose address is taken: the tree has what it points to.
+fn is_address(shader: &Shader, arg: ExprId) -> bool {
+    let (text, span) = (shader.file().text(), shader.expr(arg).span);
+    text[span.range()].starts_with('&') || text[..span.start].trim_end().ends_with('&')
+}
+
+/// True for what WGSL declares: functions, and types that are made of their arguments.
+fn is_of_the_language(name: &str) -> bool {
+    syntax::wgsl::is_builtin(name) || syntax::wgsl::is_type(name)
+}
+
 impl<'s> Walk<'s> {
     fn new(shader: &'s Shader, splits: Option<&'s Splits>, state: State, function: FunctionId) -> Self {
         let (jumps, result, found) = (Jumps::default(), Varies::NOT, BTreeSet::new());
@@ -417,6 +428,15 @@ impl<'s> Walk<'s> {
         let name = name.name.as_str();
         if let Some(CallTarget::User(function)) = shader.callee(id) {
             return self.enter(*function, args, &varies, here);
+        }
+        // What nothing declares may give the same for all, whatever it gets.
+        if self.splits.is_none() && shader.callee(id).is_none() && !is_of_the_language(name) {
+            for arg in args.iter().filter(|arg| is_address(shader, **arg)) {
+                if let Some((symbol, _)) = root(shader, *arg) {
+                    self.set(symbol, Varies::NOT, true);
+                }
+            }
+            return Varies::NOT;
         }
         let barrier = is_barrier(name);
         if let Some((by, why)) = here

@@ -17,7 +17,7 @@ mod types_of;
 pub use builtin::{OWN as OWN_FUNCTIONS, is_builtin};
 pub use layout::{Extent, Layout, Placed};
 pub use syntax::{Attribute, DeclarationKind, MemberSyntax, ModuleItem, TypeArg, TypeSyntax, VariableSyntax};
-pub use types::{is_sampler, spelling};
+pub use types::{is_sampler, is_type, spelling};
 
 use std::collections::HashMap;
 

@@ -30,7 +30,7 @@ fn shape(text: &str) -> Option<(u8, u8)> {
 }
 
 /// True for the name of a predeclared type that a call can construct.
-pub(super) fn is_type(name: &str) -> bool {
+pub fn is_type(name: &str) -> bool {
     is_generator(name) || plain(name).is_some()
 }
 

@@ -22,7 +22,7 @@ pub const RULE: Rule = Rule {
 fn check(file: &ShaderFile, module: &Module, findings: &mut Findings<'_>) {
     let shader = &file.shader;
     // An engine may put what decides into the text.
-    if module.varies || shader.has_unknown_names() {
+    if module.varies {
         return;
     }
     let allowed = file.file.text().contains("derivative_uniformity");
@@ -123,6 +123,11 @@ mod tests {
             compute("for (var k = 32u; k > 0; k >>= 1) { if i < k { w[i] += w[i + k]; } workgroupBarrier(); }"),
             0
         );
+        // What a function gives that nothing declares may be the same for all; what parts them beside it parts them.
+        assert_eq!(compute("if i >= arrayLength(&d) { return; } d[i] = hash(i); workgroupBarrier();"), 1);
+        assert_eq!(compute("if hash(i) > 1.0 { workgroupBarrier(); }"), 0);
+        assert_eq!(compute("let n = chosen(i, d[i]) + vec2f(hash(i)).x; if n > 1.0 { workgroupBarrier(); }"), 0);
+        assert_eq!(compute("var n = i; broadcast(&n); if n > 1u { workgroupBarrier(); }"), 0);
         assert_eq!(compute("let n = workgroupUniformLoad(&w); if n[0] > 1.0 { workgroupBarrier(); }"), 0);
     }
 }
