@@ -6,18 +6,25 @@ use std::sync::Arc;
 
 use base::text::SourceFile;
 use disk::{Budget, hosts_around};
-use engine::completion::{Offer, macro_name};
+use engine::completion::{Offer, Sibling, macro_name};
 use hosts::defined::HostMacros;
 use syntax::{Shader, Stage};
 
 /// Words of which a file that builds shaders says at least one.
 const TELLING: [&str; 8] = ["shader", "Shader", "SHADER", "glsl", "GLSL", "wgsl", "spv", "SPIR"];
 
-/// Host code that was read. Each file is read once for a command.
+/// Host code and libraries that were read. Each file is read once for a command.
 #[derive(Default)]
 pub struct Hosts {
     budget: Budget,
     read: HashMap<PathBuf, Option<Arc<Host>>>,
+    libraries: HashMap<PathBuf, Library>,
+}
+
+/// A file of GLSL, with the functions that it defines once somebody asks.
+struct Library {
+    file: Option<SourceFile>,
+    functions: Option<Vec<String>>,
 }
 
 struct Host {
@@ -55,20 +62,35 @@ impl Hosts {
 
     /// Files around a shader that define functions of some of these names, and have no `main`: of the nearest folder that has
     /// such a file, and for each name only where one file defines it.
-    pub fn siblings(&mut self, shader: &Path, names: &[String]) -> Vec<SourceFile> {
-        let mut found: Vec<(SourceFile, Vec<String>)> = Vec::new();
+    pub fn siblings(&mut self, shader: &Path, names: &[String]) -> Vec<Sibling> {
+        let mut found: Vec<Sibling> = Vec::new();
         let own = shader.canonicalize().ok();
         hosts_around(shader, &is_glsl, &mut |paths| {
             for path in paths.iter().filter(|path| path.canonicalize().ok() != own) {
-                let Some(file) = self.budget.read(path) else { continue };
-                let Some(defined) = defined(&file, names) else { continue };
-                found.push((file, defined));
+                let defines = |library: &Sibling| names.iter().any(|name| library.functions.contains(name));
+                found.extend(self.library(path, names).filter(|library| defines(library)));
             }
             found.is_empty()
         });
-        let times = |name: &String| found.iter().filter(|(_, defined)| defined.contains(name)).count();
-        let sure: Vec<bool> = found.iter().map(|(_, defined)| defined.iter().any(|name| times(name) == 1)).collect();
-        found.into_iter().zip(sure).filter(|(_, sure)| *sure).map(|((file, _), _)| file).collect()
+        let times = |name: &String| found.iter().filter(|library| library.functions.contains(name)).count();
+        let sure = |library: &Sibling| names.iter().any(|name| library.functions.contains(name) && times(name) == 1);
+        found.iter().filter(|library| sure(library)).cloned().collect()
+    }
+
+    /// A file of GLSL that may define functions of some names; none for a shader by itself.
+    fn library(&mut self, path: &Path, names: &[String]) -> Option<Sibling> {
+        let budget = &mut self.budget;
+        let known = self.libraries.entry(path.to_owned()).or_insert_with(|| Library {
+            file: budget.read(path).filter(|file| !file.text().contains("#version")),
+            functions: None,
+        });
+        let file = known.file.as_ref()?;
+        // Most files need not be parsed.
+        if known.functions.is_none() && !names.iter().any(|name| file.text().contains(&format!("{name}("))) {
+            return None;
+        }
+        let functions = known.functions.get_or_insert_with(|| functions(file)).clone();
+        (!functions.iter().any(|name| name == "main")).then(|| Sibling { file: file.clone(), functions })
     }
 
     fn host(&mut self, path: &Path) -> Option<Arc<Host>> {
@@ -84,16 +106,11 @@ impl Hosts {
     }
 }
 
-/// The functions of some names that a library defines; none where it defines none of them, or is a shader by itself.
-fn defined(file: &SourceFile, names: &[String]) -> Option<Vec<String>> {
-    let text = file.text();
-    if !names.iter().any(|name| text.contains(&format!("{name}("))) || text.contains("#version") {
-        return None;
-    }
+/// The functions that a file defines.
+fn functions(file: &SourceFile) -> Vec<String> {
     let shader = Shader::parse(file, Stage::Library).shader;
-    let is_defined = |name: &&String| shader.function(name).is_some_and(|own| own.definition.is_some());
-    let defined: Vec<String> = names.iter().filter(is_defined).cloned().collect();
-    (!defined.is_empty() && shader.function("main").is_none()).then_some(defined)
+    let defined = shader.functions().filter(|(_, own)| own.definition.is_some());
+    defined.map(|(_, own)| own.name.name.clone()).collect()
 }
 
 /// True for a file of GLSL.

@@ -173,12 +173,6 @@ fn is_of_a_subgroup(name: &str) -> bool {
     name.starts_with("subgroup") && !apart.iter().any(|part| name.contains(part))
 }
 
-/// True for an argument whose address is taken: the tree has what it points to.
-fn is_address(shader: &Shader, arg: ExprId) -> bool {
-    let (text, span) = (shader.file().text(), shader.expr(arg).span);
-    text[span.range()].starts_with('&') || text[..span.start].trim_end().ends_with('&')
-}
-
 /// True for what WGSL declares: functions, and types that are made of their arguments.
 fn is_of_the_language(name: &str) -> bool {
     syntax::wgsl::is_builtin(name) || syntax::wgsl::is_type(name)
@@ -431,7 +425,7 @@ impl<'s> Walk<'s> {
         }
         // What nothing declares may give the same for all, whatever it gets.
         if self.splits.is_none() && shader.callee(id).is_none() && !is_of_the_language(name) {
-            for arg in args.iter().filter(|arg| is_address(shader, **arg)) {
+            for arg in args.iter().filter(|arg| syntax::wgsl::is_address(shader, **arg)) {
                 if let Some((symbol, _)) = root(shader, *arg) {
                     self.set(symbol, Varies::NOT, true);
                 }

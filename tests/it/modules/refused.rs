@@ -61,7 +61,12 @@ fn rubbish_is_an_error() {
     says("f.wgsl", b"// nothing\n", "", &["no declaration"]);
     says("f.wgsl", &[0, 159, 146, 150, 255, 1, 2, 3], "", &["f.wgsl"]);
     says("f.wgsl", b"fn f() -> f32 { return f(); }\n", "", &["f.wgsl:1"]);
-    says("f.wgsl", b"fn f(x: f32) -> f32 { return x + true; }\n", "", &["f.wgsl:1"]);
+    says("f.wgsl", b"fn f(x: f32) -> f32 { return x + true; }\n", "", &["f.wgsl:1:30", "bool"]);
+    // A name that nothing declares: `fuzz` takes it for an input, and a translation has none.
+    let folder = folder(&[("f.wgsl", b"fn f(x: f32) -> f32 { return x + y; }\n")]);
+    let ran = run_in(folder.path(), "translate f.wgsl --to wgsl").expect(1);
+    let said = format!("{}{}", ran.out, ran.err);
+    assert!(said.contains("f.wgsl:1:34") && said.contains("`y`"), "{said}");
 }
 
 #[test]

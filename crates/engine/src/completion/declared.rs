@@ -172,7 +172,7 @@ impl Stand {
         if gives != "void" {
             let input = self.value(text, &more);
             let _ = writeln!(out, "uniform {} {input};", self.typed(gives));
-            let _ = write!(body, "return {input}{}; ", after_arguments(params, gives));
+            let _ = write!(body, "return {input}{}; ", after_arguments(params, gives, &Type::from_name));
         }
         let gives = if gives == "void" { gives.to_owned() } else { self.typed(gives) };
         let _ = writeln!(out, "{gives} {}({}) {{ {body}}}", self.name, heads.join(", "));
@@ -192,9 +192,10 @@ impl Stand {
     }
 }
 
-/// What lets an argument without a value leave none in a sum of real numbers, as nearly every function does.
-fn after_arguments(params: &[Param], gives: &str) -> String {
-    let reals = |ty: &str| match Type::from_name(ty) {
+/// What lets an argument without a value leave none in a sum of real numbers, as nearly every function does. `of_name` reads
+/// the names of types.
+pub(super) fn after_arguments(params: &[Param], gives: &str, of_name: &dyn Fn(&str) -> Option<Type>) -> String {
+    let reals = |ty: &str| match of_name(ty) {
         Some(Type::Scalar(ScalarType::Float)) => vec![""],
         Some(Type::Vector(ScalarType::Float, count)) => [".x", ".y", ".z", ".w"][..usize::from(count)].to_vec(),
         _ => Vec::new(),
@@ -243,11 +244,12 @@ fn in_order<'s>(stands: &'s [Stand], text: &str) -> Vec<Put<'s>> {
     order.sort_by_key(|&k| (Reverse(at[k]), rank(&stands[k].form), Reverse(k)));
     let put = |k: usize| {
         let (before_end, declaration) = (at[k], stands[k].declaration(text));
+        // Behind a line comment, there is no declaration.
+        let own_line = format!("\n{declaration}");
         match &stands[k].form {
             Form::Include(covers) => Put { before_end, text: declaration, of: None, covers: *covers },
-            Form::File(file, _) => Put { before_end, text: format!("\n{declaration}"), of: Some(file), covers: 0 },
-            // Behind a line comment, there is none.
-            _ => Put { before_end, text: format!("\n{declaration}"), of: None, covers: 0 },
+            Form::File(file, _) => Put { before_end, text: own_line, of: Some(file), covers: 0 },
+            _ => Put { before_end, text: own_line, of: None, covers: 0 },
         }
     };
     order.into_iter().map(put).collect()

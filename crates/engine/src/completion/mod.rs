@@ -28,8 +28,17 @@ pub use declared::{Stand, declared_notes};
 pub use macros::{Assumed, Offer, Offers, assumption_note, macro_name, taken_notes};
 use search::Search;
 
-/// Other files of the project that define functions of these names and are no shaders by themselves, the nearest first.
-pub type Siblings<'s> = dyn FnMut(&[String]) -> Vec<SourceFile> + 's;
+/// Another file of the project that is no shader by itself.
+#[derive(Clone, Debug)]
+pub struct Sibling {
+    /// The file.
+    pub file: SourceFile,
+    /// The functions that it defines.
+    pub functions: Vec<String>,
+}
+
+/// Other files of the project that define functions of these names, the nearest first.
+pub type Siblings<'s> = dyn FnMut(&[String]) -> Vec<Sibling> + 's;
 
 /// Reads a text with what stands for names that it lacks.
 pub type Parse<'p> = dyn Fn(&Completed) -> Parsed + 'p;
@@ -81,9 +90,9 @@ impl Completed {
     }
 }
 
-/// What stands for the names that a text lacks, which `parse` reads with them: what host code of the project defines, or else
-/// something plain, other files, or an input; whether numbers of 8 bits in buffers take the place of those of 32; and the size of workgroups
-/// that is left to the host. None where nothing is lacking, or the text has errors whatever is tried.
+/// What stands for the names that a text lacks, which `parse` reads with them: what host code and other files of the project
+/// define, or else something plain, or an input; whether numbers of 8 bits in buffers take the place of those of 32; and the
+/// size of workgroups that is left to the host. None where nothing is lacking, or the text has errors whatever is tried.
 pub fn completed(parse: &Parse<'_>, offers: &mut Offers<'_>, siblings: &mut Siblings<'_>) -> Option<Completed> {
     let mut all = names(parse, offers, siblings).unwrap_or_default();
     let parsed = parse(&all);

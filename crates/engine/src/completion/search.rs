@@ -7,10 +7,10 @@ use syntax::errors;
 use syntax::symbols::{Symbol, SymbolId, SymbolKind};
 use syntax::types::Type;
 use syntax::words::words;
-use syntax::{Lacks, Parsed, Profile, Shader, Stage, Token, TokenKind, TokenPlace};
+use syntax::{Lacks, Parsed, Profile, Shader, Token, TokenKind, TokenPlace};
 
 use super::declared::{self, Form, Gives, MADE, Param, Shape, Stand};
-use super::{Assumed, Completed, Offers, Parse, Siblings, macros, with_macros};
+use super::{Assumed, Completed, Offers, Parse, Sibling, Siblings, macros, with_macros};
 
 /// Declarations that are assumed at most: a text that lacks more is a small part of another.
 const MOST: usize = 96;
@@ -156,8 +156,8 @@ impl<'p> Search<'p> {
 
     /// Puts in other files that define functions which are lacking, if they bring no errors.
     fn siblings(&mut self, siblings: &mut Siblings<'_>) {
-        let mut tried: Vec<String> = Vec::new();
-        for _ in 0..MOST_FILES {
+        let (mut tried, mut files): (Vec<String>, usize) = (Vec::new(), 0);
+        loop {
             let parsed = self.parsed();
             let lacking = parsed.shader.lacking().iter().filter(|(_, what)| *what == Lacks::Function);
             let names: Vec<String> =
@@ -166,20 +166,21 @@ impl<'p> Search<'p> {
                 return;
             }
             let before = self.others(&parsed);
-            for file in siblings(&names) {
-                let library = Shader::parse(&file, Stage::Library).shader;
-                let functions = library.functions().filter(|(_, own)| own.definition.is_some());
-                let functions: Vec<String> = functions.map(|(_, own)| own.name.name.clone()).collect();
+            for Sibling { file, functions } in siblings(&names) {
+                if files == MOST_FILES {
+                    return;
+                }
                 let now = self.parsed();
                 let open = |name: &&String| now.shader.lacking().iter().any(|(lacking, _)| lacking == *name);
-                let used: Vec<&String> = functions.iter().filter(open).collect();
+                let used: Vec<String> = functions.iter().filter(open).cloned().collect();
                 let Some(place) = used.iter().map(|name| self.place(&now.shader, name)).max() else { continue };
-                let used: Vec<String> = used.into_iter().cloned().collect();
                 self.add_at(place, file.name(), Form::File(file.clone(), functions));
                 let with = self.parsed();
                 let left = with.shader.lacking().iter().any(|(name, _)| used.contains(name));
                 if left || self.others(&with) > before {
                     self.done.declared.pop();
+                } else {
+                    files += 1;
                 }
             }
             tried.extend(names);

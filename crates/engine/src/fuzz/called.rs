@@ -11,7 +11,7 @@ use base::text::{Assembly, SourceFile, Span};
 use program::{ModuleText, Written};
 use syntax::Shader;
 use syntax::symbols::FunctionInfo;
-use syntax::wgsl::{MemberSyntax, ModuleItem, TypeSyntax};
+use syntax::wgsl::{MemberSyntax, ModuleItem, TypeSyntax, VariableSyntax};
 use syntax::words::words;
 
 /// What the name of a kernel ends with that is made up for a function.
@@ -22,13 +22,14 @@ const FIRST: usize = 1 << 21;
 
 /// The text with a kernel that calls a function, and the name of the kernel; none where no such kernel can be made up.
 pub(super) fn with_caller(text: &ModuleText, function: &str) -> Option<(ModuleText, String)> {
-    let module = text.tree()?.wgsl()?;
+    let tree = text.tree()?;
+    let module = tree.wgsl()?;
     let mut items = module.items.iter();
     let (params, returns) = items.find_map(|item| match item {
         ModuleItem::Function { name, params, returns, .. } if name.name == function => Some((params, returns)),
         _ => None,
     })?;
-    if !is_collective(text.tree()?, function) {
+    if !is_collective(tree, function) {
         return None;
     }
     let file = text.file();
@@ -42,7 +43,7 @@ pub(super) fn with_caller(text: &ModuleText, function: &str) -> Option<(ModuleTe
     caller.call(&call, returns.as_ref().map(|(_, ty)| file.slice(ty.span)));
     let (mut out, end) = (Assembly::new(), file.text().len());
     out.copy(file, Span::new(0, end));
-    out.insert(&caller.finish(module_size(file.text())), file, end);
+    out.insert(&caller.finish(invocations(tree, &module.items)), file, end);
     let made = ModuleText::read(&out.finish(file.name()), Written::Wgsl).ok()?;
     Some((made, kernel))
 }
@@ -52,9 +53,7 @@ pub(super) fn with_caller(text: &ModuleText, function: &str) -> Option<(ModuleTe
 fn is_collective(tree: &Shader, function: &str) -> bool {
     let Some(module) = tree.wgsl() else { return false };
     let shared = |item: &ModuleItem| match item {
-        ModuleItem::Variable(own) if own.space.iter().any(|word| word.name == "workgroup") => {
-            Some(own.name.name.clone())
-        }
+        ModuleItem::Variable(own) if is_shared(own) => Some(own.name.name.clone()),
         _ => None,
     };
     let shared: HashSet<String> = module.items.iter().filter_map(shared).collect();
@@ -80,10 +79,19 @@ fn body(tree: &Shader, function: &FunctionInfo) -> Option<Span> {
 }
 
 /// Invocations of a workgroup: as many as an array of its memory has elements, which is how such memory is used.
-fn module_size(text: &str) -> u32 {
-    let behind = text.split("var<workgroup>").nth(1).and_then(|rest| rest.split(';').next());
-    let count = behind.and_then(|ty| ty.rsplit(',').next()).map(|count| count.trim_end_matches(['>', ' ', 'u']).trim());
-    count.and_then(|count| count.parse().ok()).filter(|count| (1..=256).contains(count)).unwrap_or(64)
+fn invocations(tree: &Shader, items: &[ModuleItem]) -> u32 {
+    let of_array = |item: &ModuleItem| {
+        let ModuleItem::Variable(own) = item else { return None };
+        let ty = own.ty.as_ref().filter(|ty| is_shared(own) && ty.name.name == "array")?;
+        let count = tree.fold(ty.args.get(1)?.expr?)?.as_integer()?;
+        u32::try_from(count).ok().filter(|count| (1..=256).contains(count))
+    };
+    items.iter().find_map(of_array).unwrap_or(64)
+}
+
+/// True for memory of a workgroup.
+fn is_shared(variable: &VariableSyntax) -> bool {
+    variable.space.iter().any(|word| word.name == "workgroup")
 }
 
 struct Caller<'a> {

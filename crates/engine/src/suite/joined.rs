@@ -18,8 +18,15 @@ pub struct Joined {
     made: JoinedText,
     /// Names that are given, and mean something to a file other than the value of a constant.
     stated: Vec<String>,
-    /// A text in WGSL with the names that it lacks as such, where imports are not there or directives have no values.
-    open: Option<Composed>,
+    /// What a text in WGSL was to be put together from, where imports are not there or directives have no values.
+    lacks: Option<Request>,
+}
+
+/// A text in WGSL, where what it imports is looked for, and how it is read.
+struct Request {
+    file: SourceFile,
+    folders: Vec<PathBuf>,
+    options: Options,
 }
 
 enum JoinedText {
@@ -48,7 +55,7 @@ impl Joined {
             return Ok(Some(Self {
                 made: JoinedText::Compiled { file, folders, defines, asked: asked.clone() },
                 stated,
-                open: None,
+                lacks: None,
             }));
         }
         // A text in another language than its ending says is told as such by its reader.
@@ -61,21 +68,24 @@ impl Joined {
             Err(error @ ComposeError::Unreadable(..)) => return Err(error),
         };
         let stated = composed.as_ref().map(|composed| composed.stated.clone()).unwrap_or_default();
-        let lacks =
-            |found: &Vec<Diagnostic>| found.iter().all(|d| [errors::IMPORT, errors::VALUELESS].contains(&d.code));
-        let open = composed.as_ref().is_err_and(lacks).then(|| {
-            let options = Options { open: true, ..options.clone() };
-            Modules::new(folders.to_vec()).with_files_below().compose(file, &options).ok()
+        let missing = |d: &Diagnostic| [errors::IMPORT, errors::VALUELESS].contains(&d.code);
+        let lacks = composed.as_ref().is_err_and(|found| found.iter().all(missing)).then(|| Request {
+            file: file.clone(),
+            folders: folders.to_vec(),
+            options: Options { open: true, ..options.clone() },
         });
-        Ok(Some(Self { made: JoinedText::Composed(composed), stated, open: open.flatten() }))
+        Ok(Some(Self { made: JoinedText::Composed(composed), stated, lacks }))
     }
 
     /// Puts declarations behind a text in WGSL for the names that it lacks, and gives them. Nothing changes where it lacks
     /// none, or is wrong with them as well.
     pub fn complete(&mut self) -> Vec<Stand> {
         let JoinedText::Composed(made) = &self.made else { return Vec::new() };
-        let Some(text) = self.open.as_ref().or(made.as_ref().ok()) else { return Vec::new() };
-        let nothing = || self.open.is_some() && text.undeclared.is_empty();
+        let open = self.lacks.as_ref().and_then(|Request { file, folders, options }| {
+            Modules::new(folders.clone()).with_files_below().compose(file, options).ok()
+        });
+        let Some(text) = open.as_ref().or(made.as_ref().ok()) else { return Vec::new() };
+        let nothing = || open.is_some() && text.undeclared.is_empty();
         let completed = wgsl::completed(text).or_else(|| nothing().then(|| (text.file.clone(), Vec::new())));
         let Some((file, stands)) = completed else { return Vec::new() };
         let whole = Composed { file, undeclared: Vec::new(), rest: None, ..text.clone() };

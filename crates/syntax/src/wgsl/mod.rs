@@ -17,7 +17,7 @@ mod types_of;
 pub use builtin::{OWN as OWN_FUNCTIONS, is_builtin};
 pub use layout::{Extent, Layout, Placed};
 pub use syntax::{Attribute, DeclarationKind, MemberSyntax, ModuleItem, TypeArg, TypeSyntax, VariableSyntax};
-pub use types::{is_sampler, is_type, spelling};
+pub use types::{is_sampler, is_type, plain, spelling};
 
 use std::collections::HashMap;
 
@@ -100,6 +100,12 @@ impl Module {
     pub fn attribute<'m>(all: &'m [Attribute], name: &str) -> Option<&'m Attribute> {
         all.iter().find(|a| a.name.name == name)
     }
+}
+
+/// True for an argument whose address is taken, `&x`: the tree has what it points to.
+pub fn is_address(shader: &Shader, arg: ExprId) -> bool {
+    let (text, span) = (shader.file.text(), shader.expr(arg).span);
+    text[span.range()].starts_with('&') || text[..span.start].trim_end().ends_with('&')
 }
 
 /// The tokens of a text, also those of directives and of branches that are left out.

@@ -46,7 +46,7 @@ pub(super) fn scalar(name: &str) -> Option<ScalarType> {
 }
 
 /// A type without arguments: scalars and the short names of vectors and matrices.
-pub(super) fn plain(name: &str) -> Option<Type> {
+pub fn plain(name: &str) -> Option<Type> {
     if let Some(scalar) = scalar(name) {
         return Some(Type::Scalar(scalar));
     }

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use syntax::Shader;
 use syntax::ast::{BinaryOp, Callee, Condition, ExprId, ExprKind, ItemKind, Literal, Stmt, StmtKind, UnaryOp};
 use syntax::types::{ScalarType, Type};
-use syntax::wgsl::{ModuleItem, TypeSyntax, spelling};
+use syntax::wgsl::{ModuleItem, TypeSyntax, is_address, spelling};
 
 use super::super::declared::{Form, Gives, MADE, Param, Shape};
 use super::super::search::is_swizzle;
@@ -539,7 +539,7 @@ impl<'s> Asked<'s> {
                 let ty = self.shader.type_of(args.next()?);
                 (!ty.is_error()).then(|| spelling(ty))
             });
-            let pointer = first.get(k).is_some_and(|arg| self.is_address(*arg));
+            let pointer = first.get(k).is_some_and(|arg| is_address(self.shader, *arg));
             Param { ty: typed.unwrap_or_else(|| "f32".to_owned()), out: pointer }
         };
         let params: Vec<Param> = (0..first.len()).map(param).collect();
@@ -565,12 +565,6 @@ impl<'s> Asked<'s> {
             return variable.ty.as_ref().map(|ty| self.shader.file().slice(ty.span).to_owned());
         }
         self.known(arg)
-    }
-
-    fn is_address(&self, arg: ExprId) -> bool {
-        let text = self.shader.file().text();
-        let span = self.shader.expr(arg).span;
-        text[..span.start].trim_end().ends_with('&') || text[span.range()].starts_with('&')
     }
 }
 

@@ -42,21 +42,24 @@ pub fn completed(composed: &Composed) -> Option<(SourceFile, Vec<Stand>)> {
     if composed.undeclared.is_empty() || composed.undeclared.len() > MOST {
         return None;
     }
-    let mut search = Search { file: &composed.file, choices: Vec::new() };
-    search.declare(composed);
+    let shader = Shader::parse_wgsl(&composed.file).shader;
+    let mut search = Search { file: &composed.file, passed: passed(&shader), choices: Vec::new() };
+    search.declare(composed, &types_of(&shader));
     search.repair()?;
     Some((search.text(), search.choices.into_iter().map(|choice| choice.stand).collect()))
 }
 
 struct Search<'a> {
     file: &'a SourceFile,
+    /// Structures that entry points take or give.
+    passed: HashSet<String>,
     choices: Vec<Choice>,
 }
 
 impl Search<'_> {
     fn text(&self) -> SourceFile {
         let stands: Vec<&Stand> = self.choices.iter().map(|choice| &choice.stand).collect();
-        written::put(&stands, self.file)
+        written::put(&stands, self.file, &self.passed)
     }
 
     fn shader(&self) -> Shader {
@@ -90,9 +93,7 @@ impl Search<'_> {
     }
 
     /// Declares all that is lacking: types first, and functions last, when the types of their arguments are known.
-    fn declare(&mut self, composed: &Composed) {
-        let shader = self.shader();
-        let types = types_of(&shader);
+    fn declare(&mut self, composed: &Composed, types: &HashSet<String>) {
         let (structures, values): (Vec<_>, Vec<_>) =
             composed.undeclared.iter().map(|lacking| lacking.name.as_str()).partition(|name| types.contains(*name));
         for name in structures {
@@ -285,6 +286,21 @@ struct Slot {
 /// Where naga finds the first error.
 struct Wrong {
     at: Option<Span>,
+}
+
+/// The types that entry points of a stage with inputs or outputs take or give.
+fn passed(shader: &Shader) -> HashSet<String> {
+    let items = shader.wgsl().map(|module| module.items.as_slice()).unwrap_or_default();
+    let of_entry = |item: &ModuleItem| match item {
+        ModuleItem::Function { attributes, params, returns, .. }
+            if attributes.iter().any(|own| matches!(own.name.name.as_str(), "vertex" | "fragment")) =>
+        {
+            let types = params.iter().map(|param| &param.ty).chain(returns.iter().map(|(_, ty)| ty));
+            types.map(|ty| ty.name.name.clone()).collect()
+        }
+        _ => Vec::new(),
+    };
+    items.iter().flat_map(of_entry).collect()
 }
 
 /// Names that stand where a type does.

@@ -1,10 +1,13 @@
 //! Declarations in WGSL.
 
+use std::collections::HashSet;
 use std::fmt::Write as _;
 
 use base::text::{Assembly, SourceFile, Span};
+use syntax::types::Type;
+use syntax::wgsl::plain;
 
-use super::super::declared::{Form, Gives, Param, Shape, Stand};
+use super::super::declared::{Form, Gives, Param, Shape, Stand, after_arguments};
 
 /// Number of the first binding that is assumed: beyond those of any text.
 const FIRST: usize = 1 << 20;
@@ -14,13 +17,13 @@ pub(super) fn value(stand: &Stand) -> String {
     format!("{}_value", stand.name.trim_end_matches('_'))
 }
 
-/// The text with declarations behind it.
-pub(super) fn put(stands: &[&Stand], file: &SourceFile) -> SourceFile {
+/// The text with declarations behind it; `passed` are the structures that entry points take or give.
+pub(super) fn put(stands: &[&Stand], file: &SourceFile, passed: &HashSet<String>) -> SourceFile {
     let (mut out, end) = (Assembly::new(), file.text().len());
     out.copy(file, Span::new(0, end));
     let mut all = String::from("\n");
     for (k, stand) in stands.iter().enumerate() {
-        declaration(&mut all, stand, (FIRST + k, file.text()));
+        declaration(&mut all, stand, FIRST + k, passed.contains(&stand.name));
     }
     out.insert(&all, file, end);
     out.finish(file.name())
@@ -33,7 +36,7 @@ fn typed(shape: &Shape) -> String {
     }
 }
 
-fn declaration(out: &mut String, stand: &Stand, (binding, text): (usize, &str)) {
+fn declaration(out: &mut String, stand: &Stand, binding: usize, passed: bool) {
     let name = &stand.name;
     let bound = |space: &str| format!("@group(0) @binding({binding}) var{space} ");
     let _ = match &stand.form {
@@ -42,7 +45,7 @@ fn declaration(out: &mut String, stand: &Stand, (binding, text): (usize, &str)) 
         Form::Structure(members) => {
             let mut places = 0;
             let member = |(name, shape): &(String, Shape)| {
-                let place = attribute(stand, text, (name, shape), &mut places);
+                let place = if passed { attribute(name, shape, &mut places) } else { String::new() };
                 format!("{place}{name}: {}", typed(shape))
             };
             let members: Vec<String> = members.iter().map(member).collect();
@@ -80,28 +83,15 @@ fn function(out: &mut String, stand: &Stand, params: &[Param], gives: &Gives, bo
             writeln!(out, "{bound}{input}: u32;\nfn {name}({head}) -> bool {{ return {input} % 2u == 1u; }}")
         }
         _ => {
-            let after = after_arguments(params, gives);
+            let after = after_arguments(params, gives, &real);
             writeln!(out, "{bound}{input}: {gives};\nfn {name}({head}) -> {gives} {{ return {input}{after}; }}")
         }
     }
 }
 
-/// What lets an argument without a value leave none in a sum of real numbers, as nearly every function does.
-fn after_arguments(params: &[Param], gives: &str) -> String {
-    let parts = |ty: &str| match ty {
-        "f32" => vec![""],
-        "vec2f" => vec![".x", ".y"],
-        "vec3f" => vec![".x", ".y", ".z"],
-        "vec4f" => vec![".x", ".y", ".z", ".w"],
-        _ => Vec::new(),
-    };
-    if parts(gives).is_empty() {
-        return String::new();
-    }
-    let of = |(k, param): (usize, &Param)| {
-        parts(&param.ty).into_iter().map(move |part| format!(" + 0.0 * a{k}{part}")).collect::<String>()
-    };
-    params.iter().enumerate().filter(|(_, param)| !param.out).map(of).collect()
+/// The type of that name; none for half floats, which stand in no sum with others.
+fn real(name: &str) -> Option<Type> {
+    plain(name).filter(|_| name != "f16" && !name.ends_with('h'))
 }
 
 fn constant(ty: &str) -> &'static str {
@@ -114,8 +104,8 @@ fn constant(ty: &str) -> &'static str {
 }
 
 /// The place of a member of what goes from stage to stage: a position, or a number.
-fn attribute(stand: &Stand, text: &str, (name, shape): (&str, &Shape), places: &mut u32) -> String {
-    if !is_passed(&stand.name, text) || shape.count.is_some() {
+fn attribute(name: &str, shape: &Shape, places: &mut u32) -> String {
+    if shape.count.is_some() {
         return String::new();
     }
     let builtin = match (name, shape.ty.as_str()) {
@@ -136,16 +126,4 @@ fn attribute(stand: &Stand, text: &str, (name, shape): (&str, &Shape), places: &
         ""
     };
     format!("@location({number}) {flat}")
-}
-
-/// True for a structure that an entry point takes or gives.
-fn is_passed(structure: &str, text: &str) -> bool {
-    let heads = text.split("fn ").skip(1).zip(text.split("fn "));
-    let entry = |before: &str| {
-        let own = before.rsplit(['}', ';']).next().unwrap_or("");
-        own.contains("@vertex") || own.contains("@fragment")
-    };
-    let mut heads = heads.filter(|(_, before)| entry(before)).map(|(behind, _)| behind.split('{').next().unwrap_or(""));
-    let word = |c: char| c.is_alphanumeric() || c == '_';
-    heads.any(|head| head.split(|c| !word(c)).any(|own| own == structure))
 }
