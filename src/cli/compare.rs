@@ -17,7 +17,6 @@ use super::includes::IncludedText;
 use super::inputs::InputArgs;
 use super::shard::{Printed, Printing, ShardArgs, Terminal};
 use super::status::ExitStatus;
-use super::translate;
 use super::waiting::Waiting;
 use base::diagnostic::Lang;
 use base::text::Shown as _;
@@ -60,7 +59,7 @@ pub struct CompareArgs {
     #[command(flatten)]
     pub input: InputArgs,
     /// Value of a macro, or of an `override` constant of WGSL, only in the second text; repeatable
-    #[arg(long, value_name = "NAME=VALUE", value_parser = translate::definition)]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = super::definition::definition)]
     pub define_second: Vec<(String, String)>,
     /// What is stated about texts in WGSL that are parts of others.
     #[command(flatten)]

@@ -7,7 +7,6 @@ use clap::Args;
 use super::StageName;
 use super::check::shell_word;
 use super::compose::{ComposeArgs, Given};
-use super::translate;
 use engine::fuzz::{self, Stated};
 use engine::suite::run::DEFAULT_SEED;
 
@@ -21,7 +20,7 @@ pub struct InputArgs {
     #[arg(long, value_name = "INPUT=DOMAIN", allow_hyphen_values = true)]
     pub domain: Vec<String>,
     /// Value of a macro, or of an `override` constant of WGSL: `--define WIDTH=8`; repeatable
-    #[arg(short = 'D', long, value_name = "NAME=VALUE", value_parser = translate::definition)]
+    #[arg(short = 'D', long, value_name = "NAME=VALUE", value_parser = super::definition::definition)]
     pub define: Vec<(String, String)>,
     /// Folders to search for included files
     #[arg(short = 'I', long = "include", value_name = "FOLDER")]

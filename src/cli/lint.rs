@@ -8,6 +8,7 @@ mod formula;
 pub(super) mod groups;
 mod known;
 mod modules;
+mod packs;
 #[cfg(feature = "run")]
 mod prove;
 mod summary;
@@ -98,6 +99,12 @@ pub struct LintArgs {
     /// Host whose code surrounds each shader [default: recognised from the text]
     #[arg(long, value_name = "NAME", value_parser = super::preludes())]
     pub prelude: Option<String>,
+    /// Value of a macro: `--define QUALITY=2`; repeatable
+    #[arg(short = 'D', long, value_name = "NAME=VALUE", value_parser = super::definition::definition)]
+    pub define: Vec<(String, String)>,
+    /// Lint shaders as they stand only, and not with the options that they state set otherwise as well
+    #[arg(long)]
+    pub no_variants: bool,
     /// Folders to search for imported and included files
     #[arg(short = 'I', long = "include", value_name = "FOLDER")]
     pub include: Vec<PathBuf>,

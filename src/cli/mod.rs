@@ -15,6 +15,7 @@ pub mod compare;
 pub mod completions;
 #[cfg(feature = "run")]
 mod compose;
+mod definition;
 #[cfg(feature = "run")]
 mod document;
 pub mod explain;

@@ -35,7 +35,7 @@ pub struct TranslateArgs {
     #[arg(long, value_name = "NAME")]
     pub entry: Option<String>,
     /// Value of a macro, or of an `override` constant of WGSL: `--define WIDTH=8`; repeatable
-    #[arg(short = 'D', long, value_name = "NAME=VALUE", value_parser = definition)]
+    #[arg(short = 'D', long, value_name = "NAME=VALUE", value_parser = super::definition::definition)]
     pub define: Vec<(String, String)>,
     /// Folder to search for included files, after that of the file that includes them
     #[arg(short = 'I', long = "include", value_name = "FOLDER")]
@@ -150,15 +150,6 @@ fn of_glsl(args: &TranslateArgs, source: IncludedText, err: &mut dyn Write) -> a
         }
         Err(error) => Err(error).with_context(|| file.name().to_owned()),
     }
-}
-/// A name and a value of the command line.
-pub(super) fn definition(text: &str) -> Result<(String, String), String> {
-    let (name, value) = text.split_once('=').unwrap_or((text, "1"));
-    let is_name = |name: &str| !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || c == '_');
-    // A macro may have parameters: `load(buffer,at)=buffer[at]`.
-    let (head, params) = name.strip_suffix(')').and_then(|name| name.split_once('(')).unwrap_or((name, ""));
-    let named = is_name(head) && (params.is_empty() || params.split(',').all(|param| is_name(param.trim())));
-    if named { Ok((name.to_owned(), value.to_owned())) } else { Err("give NAME=VALUE".to_owned()) }
 }
 
 /// What is translated of a shader.

@@ -76,5 +76,6 @@ mod translated_stages;
 mod tune;
 mod undefined;
 mod upstream;
+mod variants;
 mod webgpu;
 mod witnesses;

@@ -72,6 +72,9 @@ function = "setMat4"
 kind = "set-uniform"
 argument = 1
 sets = "mat4"
+[[variant]]
+name = "QUALITY"
+values = ["0", "1"]
 "#;
 
 const EXPECTATIONS: &str = "[[expected]]\nlane = \"vulkan*\"\ndriver = \"*llvmpipe*\"\n\

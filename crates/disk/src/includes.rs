@@ -4,10 +4,21 @@ use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use crate::elsewhere::{plain, refusal};
-use crate::modules::ancestors;
+use crate::modules::{ancestors, outwards};
 use crate::read_source;
 use base::text::{Shown, SourceFile, decode};
 use syntax::include::Wanted;
+
+/// The folders around a file up to that of its project; where nothing shows a project, up to the one that we are in.
+fn below_here(folder: &Path) -> Vec<PathBuf> {
+    let (mut found, project) = outwards(folder);
+    let here = || found.iter().position(|folder| folder.as_os_str() == ".");
+    match project.or_else(here) {
+        Some(last) => found.truncate(last + 1),
+        None => return ancestors(folder),
+    }
+    found
+}
 
 /// The file that an `#include` asks for; none where there is none. One by `"path"` is looked for beside the file that asks
 /// first, then in the folders, and then in those around the file. One that lies in none of `within` is read where it is a
@@ -22,7 +33,8 @@ pub fn included(wanted: &Wanted, folders: &[PathBuf], within: &[&Path]) -> Resul
     // Hosts that join the texts name files from the folder of all shaders, which is one around them.
     let here = Path::new(".");
     let from = beside.iter().map(|folder| if folder.as_os_str().is_empty() { here } else { folder.as_path() });
-    let around = from.flat_map(ancestors).skip(1);
+    let rooted = wanted.path.starts_with('/');
+    let around = from.flat_map(|folder| if rooted { below_here(folder) } else { ancestors(folder) }).skip(1);
     for folder in beside.iter().cloned().chain(folders.iter().cloned()).chain(around) {
         let path = if folder.as_os_str().is_empty() { PathBuf::from(path) } else { folder.join(path) };
         let refusal = || refusal(&path, within).map(|why| Error::new(ErrorKind::InvalidInput, why));

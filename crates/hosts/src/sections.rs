@@ -16,6 +16,11 @@ const DEFINED: [(&str, &str); 6] = [
     ("VS", "FS"),
 ];
 
+/// True for a macro by which hosts say the stage for which they compile a text.
+pub fn says_the_stage(name: &str) -> bool {
+    DEFINED.iter().any(|(vertex, fragment)| [*vertex, *fragment].contains(&name))
+}
+
 /// The shaders of such a file; none when it is one shader.
 pub fn sections(file: &SourceFile) -> Vec<(Stage, Literal)> {
     [marked, versioned, separated, conditional]

@@ -31,7 +31,7 @@ use base::text::{SourceFile, Span};
 use rayon::prelude::*;
 
 use reading::{Project, ShaderFile};
-use reading::{composed, open, relocate, variants};
+use reading::{composed, open, options, relocate, variants};
 use suppress::Suppressions;
 use syntax::errors::{self, Around};
 
@@ -43,7 +43,7 @@ pub fn run(files: &[Input]) -> Vec<Diagnostic> {
 }
 
 /// What a run is told besides the files.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Settings {
     /// Which rules run.
     pub selection: Selection,
@@ -51,6 +51,14 @@ pub struct Settings {
     pub per_file: PerFile,
     /// What the project says about itself.
     pub config: Config,
+    /// Shaders are read with the options that they state set otherwise as well.
+    pub options: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { selection: Selection::default(), per_file: PerFile::default(), config: Config::default(), options: true }
+    }
 }
 
 impl Settings {
@@ -99,10 +107,14 @@ fn run_rules_until(
     let in_variants = |shader: &ShaderFile| {
         let found = if shader.conditional { variants::errors(&shader.shader) } else { Vec::new() };
         let level = |certain| if certain { Level::Default } else { Level::Strict };
-        found.into_iter().map(|(certain, d)| (level(certain), d)).collect::<Vec<_>>()
+        let of_names = found.into_iter().map(|(certain, d)| (level(certain), d));
+        of_names.collect::<Vec<_>>()
     };
     let reported: Vec<&ShaderFile> = project.shaders().filter(|s| s.reported).collect();
     all.par_extend(reported.par_iter().flat_map_iter(|shader| in_variants(shader)));
+    if settings.options {
+        all.extend(options::errors(reported.iter().copied(), &settings.config, stop));
+    }
     let programs = project.programs();
     // A rule that is not asked for is of use only where the front end tells its code.
     let of_use = |rule: &&'static Rule| {

@@ -38,6 +38,11 @@ impl Conditions {
         Self { asked, defined }
     }
 
+    /// True for a name that a condition asks for.
+    pub fn asks(&self, name: &str) -> bool {
+        self.asked.contains(name)
+    }
+
     /// The names that are asked for and that neither the text nor the language defines; macros of extensions, which the
     /// language may define, where these are wanted.
     pub fn undefined(&self, extensions: bool) -> BTreeSet<String> {

@@ -1,6 +1,8 @@
 //! What a project says about itself, as far as rules need it. Data; reading `shadercheck.toml` is the
 //! work of `cli`.
 
+use std::collections::BTreeMap;
+
 use crate::prelude::Wanted;
 use analysis::range::Stated;
 use hosts::Wrapper;
@@ -18,11 +20,29 @@ pub struct Config {
     pub presets: Vec<String>,
     /// What hosts put around the shaders.
     pub prelude: Wanted,
+    /// Options of the shaders, beside those that their texts state.
+    pub variants: Vec<Variant>,
+    /// For shaders by their names, the macros that a host asks before it compiles them.
+    pub asked_before: BTreeMap<String, Vec<String>>,
+}
+
+/// A macro with which shaders are compiled in several variants.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Variant {
+    /// The macro.
+    pub name: String,
+    /// What it may stand for; none for not being defined.
+    pub values: Vec<Option<String>>,
 }
 
 impl Config {
     /// Names of libraries whose wrappers of OpenGL are known.
     pub const PRESETS: [&'static str; 3] = ["learnopengl", "qt", "gg"];
+
+    /// True for a macro that decides whether the shader of this name is compiled at all.
+    pub fn asks_before(&self, shader: &str, name: &str) -> bool {
+        self.asked_before.get(shader).is_some_and(|names| names.iter().any(|own| own == name))
+    }
 
     /// The stated range of a variable, the first that matches.
     pub fn range_of(&self, name: &str) -> Option<(f64, f64)> {

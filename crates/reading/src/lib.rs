@@ -12,6 +12,7 @@ pub mod hlsl;
 mod level;
 mod linked;
 pub mod open;
+pub mod options;
 pub mod prelude;
 pub mod program;
 mod project;
@@ -19,7 +20,7 @@ pub mod relocate;
 pub mod variants;
 
 pub use composed::{Composed, Composer};
-pub use config::{Config, ProgramEntry};
+pub use config::{Config, ProgramEntry, Variant};
 pub use level::Level;
 pub use linked::{HostName, Linked, linked};
 pub use project::{Input, Project, ShaderFile, companions};

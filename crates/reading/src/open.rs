@@ -103,7 +103,14 @@ pub struct Surroundings<'a> {
 impl<'a> Surroundings<'a> {
     /// Those of a text in which these errors were found.
     pub fn new(shader: &'a Shader, conditions: &'a Conditions, found: &[Diagnostic]) -> Self {
-        let asked = conditions.undefined(true);
+        let mut asked = conditions.undefined(true);
+        asked.retain(|name| !shader.defines().iter().any(|(own, _)| own == name));
+        Self { shader, conditions, open: of(shader, &asked, found), asked }
+    }
+
+    /// Those of a text that is in order whatever its host defines: as it stands, and so far as it is read otherwise.
+    pub fn of_whole(shader: &'a Shader, conditions: &'a Conditions, found: &[Diagnostic]) -> Self {
+        let asked = BTreeSet::new();
         Self { shader, conditions, open: of(shader, &asked, found), asked }
     }
 
@@ -270,6 +277,7 @@ fn under_conditions(shader: &Shader, asked: &BTreeSet<String>, found: &[Diagnost
     }
     let mut kept = vec![true; found.len()];
     for defines in conditions::each_and_all(asked) {
+        let defines = [&defines[..], shader.defines()].concat();
         let other = Shader::parse_with(shader.file(), shader.stage(), &defines);
         for (kept, error) in kept.iter_mut().zip(found).filter(|(kept, _)| **kept) {
             let left_out = conditions::place_of(&other.shader, error.span) == Some(TokenPlace::Inactive);
@@ -384,6 +392,13 @@ pub fn is_of_host(project: &Project, shader: &Shader, error: &Diagnostic) -> boo
 /// True for an error that is about a name, or at a macro: something in front may declare it.
 pub fn is_about_a_name(error: &Diagnostic) -> bool {
     errors::is_name(error.code) || (error.code == errors::SYNTAX && is_macro(error.file.slice(error.span)))
+}
+
+/// True for an error at a value that hosts define: a name in capitals, and a macro that has two values.
+pub fn is_value_of_host(error: &Diagnostic) -> bool {
+    let defined = || error.file.line_at(error.span.start).trim_start().starts_with('#');
+    is_macro(error.file.slice(error.span))
+        && (error.code == errors::UNKNOWN_NAME || (error.code == errors::MACRO && defined()))
 }
 
 /// Names that hosts supply, as texts show that lack the same ones.

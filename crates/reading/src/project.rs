@@ -57,6 +57,8 @@ pub struct Input {
     pub named: bool,
     /// The stage that is stated for it: it is a shader then, whatever its name says.
     pub stage: Option<Stage>,
+    /// Macros that are defined from outside, with their values.
+    defines: Arc<[(String, String)]>,
     /// The syntax tree of a host file, once it has been asked for: companions are looked for before
     /// rules run, and the text is parsed once for both.
     tree: HostTree,
@@ -69,7 +71,8 @@ pub struct Input {
 impl Input {
     /// A text whose diagnostics are wanted.
     pub fn new(file: SourceFile) -> Self {
-        Self { file, reported: true, named: false, stage: None, tree: HostTree::default(), composer: None, kept: None }
+        let (defines, tree) = (Arc::default(), HostTree::default());
+        Self { file, reported: true, named: false, stage: None, defines, tree, composer: None, kept: None }
     }
 
     /// A text that others refer to; nothing is reported on it.
@@ -89,6 +92,12 @@ impl Input {
         Self { stage: Some(stage), ..self }
     }
 
+    /// The same text, with macros that are defined from outside.
+    #[must_use]
+    pub fn defining(self, defines: &[(String, String)]) -> Self {
+        Self { defines: defines.into(), ..self }
+    }
+
     /// The same text, with what joins it with its imports or includes.
     #[must_use]
     pub fn composed_by(self, composer: Composer) -> Self {
@@ -105,7 +114,8 @@ impl Input {
     #[must_use]
     pub fn with_file(&self, file: SourceFile) -> Self {
         let (composer, kept) = (self.composer.clone(), self.kept.as_ref().map(|_| Arc::default()));
-        Self { reported: self.reported, named: self.named, stage: self.stage, composer, kept, ..Self::new(file) }
+        let (named, stage, defines) = (self.named, self.stage, self.defines.clone());
+        Self { reported: self.reported, named, stage, defines, composer, kept, ..Self::new(file) }
     }
 
     fn host(&self) -> HostFile {

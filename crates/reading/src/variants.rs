@@ -15,8 +15,9 @@ const MOST: usize = 8;
 /// that was tried and that switches its place on.
 pub fn errors(shader: &Shader) -> Vec<(bool, Diagnostic)> {
     let conditions = Conditions::of(shader);
-    let asked = conditions.undefined(false);
-    if asked.is_empty() || !shader.defines().is_empty() {
+    let mut asked = conditions.undefined(false);
+    asked.retain(|name| !shader.defines().iter().any(|(own, _)| own == name));
+    if asked.is_empty() {
         return Vec::new();
     }
     // A piece is put into shaders of any version; conversions differ between versions.
@@ -32,7 +33,7 @@ pub fn errors(shader: &Shader) -> Vec<(bool, Diagnostic)> {
     let mut found: Vec<(bool, Diagnostic)> = Vec::new();
     let mut tried: Vec<Parsed> = Vec::new();
     for defines in sets {
-        let parsed = shader.with_defines(&defines);
+        let parsed = shader.with_defines(&[&defines[..], shader.defines()].concat());
         let surroundings = Surroundings::new(&parsed.shader, &conditions, &parsed.diagnostics);
         for error in &parsed.diagnostics {
             let told = |(_, d): &(bool, Diagnostic)| open::stands_in(std::slice::from_ref(d), error);

@@ -35,7 +35,7 @@ impl Shader {
     pub fn parse_fitting(file: &SourceFile, stage: Stage, defines: &[(String, String)], es: bool) -> Parsed {
         let oldest = || Version { number: 100, profile: Profile::Es, span: None };
         let es = es && !file.text().contains("#version");
-        let plain = Self::read(file, stage, defines, es.then(oldest));
+        let plain = Self::read(file, stage, (defines, &[]), es.then(oldest));
         let later = [errors::NEEDS_VERSION, errors::EXTENSION, errors::FLOAT_SUFFIX];
         if plain.shader.version().span.is_some() || !plain.diagnostics.iter().any(|d| later.contains(&d.code)) {
             return plain;
@@ -44,7 +44,7 @@ impl Shader {
         let weight = |p: &Parsed| p.diagnostics.iter().filter(|d| !errors::is_name(d.code)).count() + p.shader.absent();
         let mut best = plain;
         for version in stated_for(stage).filter(|version| !es || version.profile == Profile::Es) {
-            let parsed = Self::read(file, stage, defines, Some(version));
+            let parsed = Self::read(file, stage, (defines, &[]), Some(version));
             if weight(&parsed) < weight(&best) {
                 best = parsed;
             }

@@ -29,6 +29,7 @@ mod parser;
 pub mod precision;
 mod preprocess;
 mod reach;
+mod readings;
 pub mod real;
 mod scalar;
 mod sink;
@@ -57,6 +58,8 @@ use interface::Interface;
 pub use names::{MOST_SLIPS, nearest};
 pub use other_language::{Looks, looks_like, other_language};
 pub use preprocess::plain;
+pub use preprocess::setting::Setting;
+pub use readings::{Readings, Seen};
 pub use stage::Stage;
 use std::collections::BTreeSet;
 use symbols::{CallTarget, FunctionId, FunctionInfo, Symbol, SymbolId, Use};
@@ -210,22 +213,31 @@ pub struct Shader {
     wgsl: Option<Box<wgsl::Module>>,
 }
 
+/// Macros from outside, and lines that define others.
+type Given<'a> = (&'a [(String, String)], &'a [Setting]);
+
+fn lexed(file: &SourceFile) -> lexer::Pieces {
+    let mut pieces = lexer::lex(file.text());
+    pieces.pieces = hole::join(file.text(), pieces.pieces);
+    pieces
+}
+
 impl Shader {
     /// Reads a shader. Broken input gives diagnostics, not an error: reading goes on behind the
     /// next `;` or `}`.
     pub fn parse(file: &SourceFile, stage: Stage) -> Parsed {
-        Self::read(file, stage, &[], None)
+        Self::read(file, stage, (&[], &[]), None)
     }
 
     /// Reads a shader that a host puts behind another text, which states this version and may declare
     /// names that this one does not.
     pub fn parse_behind(file: &SourceFile, stage: Stage, before: Version) -> Parsed {
-        Self::read(file, stage, &[], Some(before))
+        Self::read(file, stage, (&[], &[]), Some(before))
     }
 
     /// Reads a shader with macros that are given from outside: names and values.
     pub fn parse_with(file: &SourceFile, stage: Stage, defines: &[(String, String)]) -> Parsed {
-        Self::read(file, stage, defines, None)
+        Self::read(file, stage, (defines, &[]), None)
     }
 
     /// Reads the text once more, with macros that are given from outside.
@@ -233,18 +245,33 @@ impl Shader {
         if self.wgsl.is_some() {
             return Self::parse_wgsl(&self.file);
         }
-        // GLSL 1.10 is what a text is that states nothing.
-        let assumed = self.version.span.is_none() && self.version.number != 110;
-        let before = assumed.then(|| self.version.clone());
-        Self::read(&self.file, self.stage, defines, before)
+        Self::read(&self.file, self.stage, (defines, &[]), self.assumed())
     }
 
-    fn read(file: &SourceFile, stage: Stage, defines: &[(String, String)], before: Option<Version>) -> Parsed {
+    /// The version that is taken to stand in front of the text.
+    fn assumed(&self) -> Option<Version> {
+        // GLSL 1.10 is what a text is that states nothing.
+        (self.version.span.is_none() && self.version.number != 110).then(|| self.version.clone())
+    }
+
+    fn read(file: &SourceFile, stage: Stage, given: Given<'_>, before: Option<Version>) -> Parsed {
         let mut sink = sink::Sink::new(file);
-        let mut pieces = lexer::lex(file.text());
-        pieces.pieces = hole::join(file.text(), pieces.pieces);
+        let pieces = lexed(file);
+        let left = preprocess::run(&pieces, given, before, &mut sink);
+        Self::checked(stage, given, pieces.comments, left, sink)
+    }
+
+    /// A shader of what the preprocessor leaves.
+    fn checked(
+        stage: Stage,
+        given: Given<'_>,
+        comments: Vec<Comment>,
+        left: preprocess::Preprocessed,
+        mut sink: sink::Sink,
+    ) -> Parsed {
         let preprocess::Preprocessed { tokens, version, mut extensions, raw, incomplete, mut holes, directives: _ } =
-            preprocess::run(&pieces, defines, before, &mut sink);
+            left;
+        let file = &sink.file.clone();
         // A macro that stands for a hole is one where it is used.
         sink.fill_in(tokens.iter().filter(|tok| tok.lex == lexer::Lex::Hole).map(|tok| tok.span));
         extensions.extend(dialect::vulkan(file, &raw, &version));
@@ -279,7 +306,7 @@ impl Shader {
             stage,
             version,
             extensions,
-            comments: pieces.comments,
+            comments,
             tokens: raw,
             holes,
             unit,
@@ -295,7 +322,7 @@ impl Shader {
             lacking,
             absent,
             interface,
-            defines: defines.to_vec(),
+            defines: given.0.to_vec(),
             wgsl: None,
         };
         Parsed { shader, diagnostics: sink.finish() }.unless_in_another(Looks::Glsl)

@@ -66,6 +66,11 @@ impl Sink {
         self.file = self.file.clone().with_expansions(expansions);
     }
 
+    /// The codes of what has been found.
+    pub(crate) fn codes(&self) -> impl Iterator<Item = Code> {
+        self.list.iter().map(|d| d.code)
+    }
+
     /// True when something was told with that code.
     pub(crate) fn has(&self, code: Code) -> bool {
         self.list.iter().any(|d| d.code == code)

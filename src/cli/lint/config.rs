@@ -15,14 +15,14 @@ use disk::Problem;
 use disk::table::{At, Reader, Table};
 use hosts::{Wrapped, Wrapper};
 use lint::{Config, Selection};
-use reading::ProgramEntry;
+use reading::{ProgramEntry, Variant};
 
 use super::LevelName;
 
 /// Name of the file.
 pub const FILE_NAME: &str = "shadercheck.toml";
 
-const KEYS: [&str; 5] = ["lint", "presets", "range", "program", "wrapper"];
+const KEYS: [&str; 6] = ["lint", "presets", "range", "program", "wrapper", "variant"];
 const LINT_KEYS: [&str; 5] = ["select", "ignore", "level", "lang", "per-file-ignores"];
 const LEVELS: [(&str, LevelName); 3] =
     [("default", LevelName::Default), ("strict", LevelName::Strict), ("heuristic", LevelName::Heuristic)];
@@ -143,6 +143,7 @@ fn whole(root: Table<'_>) -> FileConfig {
         ranges: root.tables("range", "[[range]]").into_iter().filter_map(range).collect(),
         programs: root.tables("program", "[[program]]").into_iter().filter_map(program).collect(),
         wrappers: root.tables("wrapper", "[[wrapper]]").into_iter().filter_map(wrapper).collect(),
+        variants: root.tables("variant", "[[variant]]").into_iter().filter_map(variant).collect(),
         presets: presets(root),
         ..Config::default()
     };
@@ -224,6 +225,19 @@ fn program(table: Table<'_>) -> Option<ProgramEntry> {
     Some(entry)
 }
 
+/// A macro with its values; without them it may be defined or not.
+fn variant(table: Table<'_>) -> Option<Variant> {
+    let table = table.only(&["name", "values"]);
+    let name = table.required_text("name", "name = \"QUALITY\"")?;
+    let values: Vec<Option<String>> = table.texts("values").into_iter().map(|value| Some(value.value)).collect();
+    if table.has("values") && values.is_empty() {
+        let message = "`values` is empty; without this key, the macro may be defined or not";
+        table.reader.problem(table.offset_of("values"), message);
+    }
+    let values = if table.has("values") { values } else { vec![Some("1".to_owned()), None] };
+    Some(Variant { name: name.value, values })
+}
+
 fn wrapper(table: Table<'_>) -> Option<Wrapper> {
     let table = table.only(&["function", "kind", "argument", "sets"]);
     let function = table.required_text("function", "function = \"setMat4\"");
@@ -289,6 +303,13 @@ sets = "mat4"
 function = "attribute"
 kind = "attribute-location"
 argument = 1
+
+[[variant]]
+name = "QUALITY"
+values = ["0", "1"]
+
+[[variant]]
+name = "GLOW"
 "#;
 
     #[test]
@@ -303,6 +324,9 @@ argument = 1
         assert_eq!(config.config.programs[0].hosts, ["main.cpp"]);
         let wrappers: Vec<_> = config.config.wrappers.iter().map(|w| (w.kind, w.argument, w.sets.as_deref())).collect();
         assert_eq!(wrappers, [(Wrapped::SetUniform, 0, Some("mat4")), (Wrapped::AttributeLocation, 1, None)]);
+        let values = |values: &[Option<&str>]| values.iter().map(|v| v.map(str::to_owned)).collect::<Vec<_>>();
+        let variants: Vec<_> = config.config.variants.iter().map(|v| (v.name.as_str(), v.values.clone())).collect();
+        assert_eq!(variants, [("QUALITY", values(&[Some("0"), Some("1")])), ("GLOW", values(&[Some("1"), None]))]);
         assert!(read("").unwrap().select.is_none());
     }
 

@@ -14,11 +14,14 @@ use lint::{Input, Selection, Settings, by_code, run_until, sort};
 use super::LintArgs;
 use super::config::{self, FILE_NAME, FileConfig};
 use super::files::Loaded;
+use super::packs;
 
 /// Files under one configuration.
 struct Group {
     settings: Settings,
     names: BTreeSet<String>,
+    /// Macros that the command line gives to the shaders.
+    defines: Vec<(String, String)>,
 }
 
 /// All reported files, by their configuration.
@@ -100,7 +103,9 @@ impl Groups {
         }
         settings.config = file.config;
         settings.config.prelude = crate::cli::prelude(args.prelude.as_deref());
-        Ok(Group { settings, names: files.into_keys().collect() })
+        settings.options = !args.no_variants;
+        settings.config.asked_before = packs::asked_before(&files);
+        Ok(Group { settings, names: files.into_keys().collect(), defines: args.define.clone() })
     }
 
     /// Lints all files.
@@ -162,7 +167,7 @@ impl Groups {
     fn inputs_of(&self, group: &Group, inputs: &[Input], wanted: &impl Fn(&str) -> bool) -> Vec<Input> {
         let own =
             |input: &Input| input.reported && group.names.contains(input.file.name()) && wanted(input.file.name());
-        inputs.iter().map(|input| input.with_reported(own(input))).collect()
+        inputs.iter().map(|input| input.with_reported(own(input)).defining(&group.defines)).collect()
     }
 }
 

@@ -107,7 +107,8 @@ pub(super) fn embedded(host: &HostFile, input: Option<&Input>, wanted: Wanted) -
     let key = (host.reported, wanted);
     let known = kept.and_then(|k| k.with(|r| r.embedded.iter().find(|(k, _)| *k == key).map(|(_, all)| all.clone())));
     known.unwrap_or_else(|| {
-        let all: Vec<Arc<ShaderFile>> = host.embedded().iter().map(|e| Arc::new(shader_in(host, e, wanted))).collect();
+        let all: Vec<Arc<ShaderFile>> =
+            host.embedded().iter().map(|e| Arc::new(shader_in(host, e, input, wanted))).collect();
         if let Some(kept) = kept {
             kept.with(|r| r.embedded.push((key, all.clone())));
         }
@@ -115,9 +116,10 @@ pub(super) fn embedded(host: &HostFile, input: Option<&Input>, wanted: Wanted) -
     })
 }
 
-fn shader_in(host: &HostFile, embedded: &hosts::Embedded, wanted: Wanted) -> ShaderFile {
+fn shader_in(host: &HostFile, embedded: &hosts::Embedded, whole: Option<&Input>, wanted: Wanted) -> ShaderFile {
     let file = SourceFile::new(embedded.name.as_str(), embedded.literal.text.as_str());
     let input = if host.reported { Input::new(file) } else { Input::context(file) };
+    let input = input.defining(whole.map_or(&[], |whole| &whole.defines));
     let mut shader = if embedded.wgsl {
         ShaderFile::wgsl(&input)
     } else if host.is_script() {

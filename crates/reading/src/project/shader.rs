@@ -74,7 +74,7 @@ impl ShaderFile {
 
     /// A shader; of OpenGL ES where the host says so, and the text does not say what it is.
     fn read_as(input: &Input, stage: Stage, es: bool) -> Self {
-        Self::read(input, Shader::parse_fitting(&input.file, stage, &[], es))
+        Self::read(input, Shader::parse_fitting(&input.file, stage, &input.defines, es))
     }
 
     /// A module in WGSL, or a template of one: of that, one text that its engine may write.
@@ -216,8 +216,9 @@ impl ShaderFile {
             return None;
         }
         let Composed { file, refused } = input.composer.as_ref()?.join(&input.file)?;
-        let parsed = Shader::parse_fitting(&file, stage, &[], false);
-        if parsed.diagnostics.iter().any(|d| d.severity == Severity::Error) {
+        let parsed = Shader::parse_fitting(&file, stage, &input.defines, false);
+        let open = |d: &Diagnostic| d.severity < Severity::Error || open::is_value_of_host(d);
+        if !parsed.diagnostics.iter().all(open) {
             return None;
         }
         let shader = Self::read(&input.with_file(file), parsed);
@@ -395,6 +396,12 @@ impl ShaderFile {
     /// True when a host is known to put something around the text.
     pub fn has_prelude(&self) -> bool {
         self.around.iter().any(|part| !part.is_empty())
+    }
+
+    /// True for a place of which the author wrote the text, and not a reader of the file.
+    pub fn is_written(&self, span: Span) -> bool {
+        let same = |origin: &Origin| origin.host.slice(origin.literal.to_host(span)) == self.file.slice(span);
+        self.origin.as_ref().is_none_or(same)
     }
 
     /// True where an extension that takes `#include` is on: the directive is a part of the language then.

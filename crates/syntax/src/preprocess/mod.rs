@@ -7,6 +7,7 @@ mod foreign;
 pub(crate) mod limit;
 mod macros;
 pub mod plain;
+pub(crate) mod setting;
 
 use super::lexer::{Lex, Piece, Pieces};
 use super::sink::Sink;
@@ -16,6 +17,7 @@ use base::text::{Edit, Span};
 use branch::Conditional;
 pub(crate) use macros::Tok;
 use macros::{Macro, Macros, Spelling};
+use setting::Setting;
 
 /// What the preprocessor leaves.
 pub(crate) struct Preprocessed {
@@ -35,6 +37,8 @@ struct Preprocessor<'a> {
     sink: &'a mut Sink,
     /// Macros that are given from outside.
     given: &'a [(String, String)],
+    /// Lines that count as if they said something else, the first last.
+    settings: Vec<&'a Setting>,
     macros: Macros,
     conditionals: Vec<Conditional>,
     pending: Vec<Tok>,
@@ -54,14 +58,16 @@ struct Preprocessor<'a> {
 }
 
 /// Runs all directives. `defines` are macros that are given from outside, as by a compiler's option; `before` is
-/// the version that a text states which stands before this one and is not here: names may be declared there.
+/// the version that a text states which stands before this one and is not here: names may be declared there. The
+/// settings stand in the order of the text.
 pub(crate) fn run(
     pieces: &Pieces,
-    defines: &[(String, String)],
+    (defines, settings): (&[(String, String)], &[Setting]),
     before: Option<Version>,
     sink: &mut Sink,
 ) -> Preprocessed {
     let mut this = Preprocessor::new(defines, before, sink);
+    this.settings = settings.iter().rev().collect();
     this.predefine();
     this.run(pieces)
 }
@@ -76,6 +82,7 @@ impl<'a> Preprocessor<'a> {
         Self {
             sink,
             given: defines,
+            settings: Vec::new(),
             macros: Macros::new(),
             conditionals: Vec::new(),
             pending: Vec::new(),
@@ -104,6 +111,7 @@ impl<'a> Preprocessor<'a> {
             let len = if this.plain.is_some() { this.plain_line(rest, len) } else { len };
             let line = &rest[..len];
             at += len;
+            this.set_before(line[0].span.start);
             let active = this.active();
             let directive = line[0].lex == Lex::Hash && !this.is_substitution(line);
             this.holes_of(line, directive);
@@ -278,6 +286,7 @@ impl Preprocessor<'_> {
             }
             _ if !self.active() => {}
             _ if self.is_foreign(&word) => self.foreign_directive(word, rest, span),
+            "define" if self.is_set(rest, span.start) => {}
             "define" => {
                 self.flush();
                 self.define(rest, span);
