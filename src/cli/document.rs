@@ -1,12 +1,14 @@
 //! Shaders of documents and of host code, for commands that run them: `chapter.md`, or `chapter.md:34` for the one at
 //! that line.
 
-use std::path::{Path, PathBuf};
+use std::collections::HashMap;
+use std::path::{Component, Path, PathBuf};
 
 use anyhow::Context as _;
 
 use base::text::{Shown, SourceFile};
-use hosts::document::{Printed, printed_shaders};
+use disk::Budget;
+use hosts::document::{Printed, runnable_shaders};
 use hosts::{Language, language_of};
 
 /// The shaders that a path means; none when it names a file that is one shader.
@@ -16,7 +18,7 @@ use hosts::{Language, language_of};
 pub fn shaders(path: &Path) -> anyhow::Result<Option<Vec<Printed>>> {
     if path.is_file() {
         let file = super::translate::read(path)?;
-        let all = printed_shaders(&file);
+        let all = runnable(&file, path);
         let is_host = matches!(language_of(file.name()), Some(Language::Host | Language::Script));
         anyhow::ensure!(
             !is_host || !all.is_empty(),
@@ -26,7 +28,7 @@ pub fn shaders(path: &Path) -> anyhow::Result<Option<Vec<Printed>>> {
         return Ok((!all.is_empty()).then_some(all));
     }
     let Some((document, line)) = at_line(path) else { return Ok(None) };
-    let all = printed_shaders(&super::translate::read(&document)?);
+    let all = runnable(&super::translate::read(&document)?, &document);
     let lines: Vec<String> = all.iter().map(|s| s.lines.start().to_string()).collect();
     let there = all.into_iter().filter(|s| s.lines.contains(&line)).min_by_key(|s| s.lines.end() - s.lines.start());
     let there = there.with_context(|| match lines.as_slice() {
@@ -38,6 +40,53 @@ pub fn shaders(path: &Path) -> anyhow::Result<Option<Vec<Printed>>> {
         ),
     })?;
     Ok(Some(vec![there]))
+}
+
+/// The shaders of a text, with what host code fills in. Files that it imports are looked for beside it.
+pub fn runnable(file: &SourceFile, path: &Path) -> Vec<Printed> {
+    let mut budget = Budget::default();
+    let mut paths = HashMap::from([(file.name().to_owned(), path.to_owned())]);
+    runnable_shaders(file, &mut |from, import| {
+        let folder = paths.get(from)?.parent()?.to_owned();
+        let found = imported(&folder.join(import))?;
+        let file = budget.read(&found)?;
+        paths.insert(file.name().to_owned(), found);
+        Some(file)
+    })
+}
+
+/// The file that an import means: as it is written, with an ending, or as the index of a folder. `a.js` is `a.ts` where the
+/// compiler of TypeScript has still to write it.
+fn imported(path: &Path) -> Option<PathBuf> {
+    const ENDINGS: [&str; 4] = ["ts", "js", "tsx", "mjs"];
+    let path = plain(path);
+    let with = |ending: &str| {
+        let mut name = path.clone().into_os_string();
+        name.push(format!(".{ending}"));
+        PathBuf::from(name)
+    };
+    let mut all = vec![path.clone()];
+    all.extend(ENDINGS.iter().map(|ending| with(ending)));
+    all.extend(ENDINGS.iter().map(|ending| path.join(format!("index.{ending}"))));
+    if path.extension().is_some_and(|ending| ending == "js") {
+        all.push(path.with_extension("ts"));
+    }
+    all.into_iter().find(|path| path.is_file())
+}
+
+/// A path without steps that lead back.
+fn plain(path: &Path) -> PathBuf {
+    let mut out = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir if matches!(out.components().next_back(), Some(Component::Normal(_))) => {
+                drop(out.pop())
+            }
+            _ => out.push(part),
+        }
+    }
+    out
 }
 
 /// The one shader that a path means, for commands that take one.

@@ -38,6 +38,10 @@ pub struct IncludedText {
     slips: Vec<Diagnostic>,
     /// What to tell of a version that it does not name.
     version: Option<String>,
+    /// What to tell of what its host fills in.
+    filled: Vec<String>,
+    /// Names that stand for what its host fills in.
+    made_up: Vec<String>,
 }
 
 /// Reads a file and what it includes: `"path"` beside the file that asks and then in the stated folders, `<path>` in
@@ -74,6 +78,8 @@ pub fn with_includes(file: &SourceFile, path: &Path, given: &Given<'_>) -> anyho
         completed: Completed::default(),
         slips: Vec::new(),
         version: None,
+        filled: Vec::new(),
+        made_up: Vec::new(),
     })
 }
 
@@ -95,7 +101,8 @@ pub fn read_all(path: &Path, given: &Given<'_>, stage: Option<Stage>) -> anyhow:
         let is_file = hosts::language_of(&path.to_string_lossy()).is_some();
         let called = if is_file { format!("{}:{}", path.shown(), shader.lines.start() + 1) } else { name.clone() };
         let whole = with_includes(&shader.file, &path, given)?;
-        Ok(IncludedText { name, given: called, path, stage: shader.stage, printed: true, ..whole })
+        let (filled, made_up) = (shader.notes, shader.made_up);
+        Ok(IncludedText { name, given: called, path, stage: shader.stage, printed: true, filled, made_up, ..whole })
     };
     printed.into_iter().map(text).collect()
 }
@@ -172,7 +179,7 @@ impl IncludedText {
     /// As of [`with_includes`], and where a file of several shaders does not hold this one any more.
     pub fn changed(&self, file: &SourceFile, given: &Given<'_>) -> anyhow::Result<Self> {
         if self.printed {
-            let all = hosts::document::printed_shaders(file).into_iter();
+            let all = super::document::runnable(file, &super::document::file_of(&self.path)).into_iter();
             let same = all.map(|shader| shader.file).find(|shader| shader.name() == self.name);
             let same = same.ok_or_else(|| anyhow::anyhow!("`{}` is not there any more", self.name))?;
             return Ok(Self { stage: self.stage, ..with_includes(&same, &self.path, given)? });
@@ -232,7 +239,9 @@ impl IncludedText {
     /// The same with what stands for declarations, and values of constants, that a text in WGSL lacks. A slip stays an error.
     fn with_declarations(mut self, defines: &[(String, String)]) -> Self {
         let Some(joined) = &mut self.joined else { return self };
-        let slips = joined.unknown_names().into_iter().filter(reading::open::is_slip).collect();
+        let is_slip =
+            |d: &Diagnostic| reading::open::is_slip(d) && !self.made_up.iter().any(|n| n == d.file.slice(d.span));
+        let slips = joined.unknown_names().into_iter().filter(is_slip).collect();
         self.completed.declared = joined.complete();
         if !self.completed.declared.is_empty() {
             self.slips = slips;
@@ -272,6 +281,7 @@ impl IncludedText {
         let cycles = self.includes.cycles().to_vec();
         cycles
             .into_iter()
+            .chain(self.filled.iter().cloned())
             .chain(joined)
             .chain(taken)
             .chain(assumed)

@@ -16,6 +16,7 @@ use syntax::Stage;
 
 use crate::language::{Language, language_of};
 use crate::piece::Place;
+use crate::script::filled::{Imports, filled};
 use crate::sections::sections;
 use crate::{Embedded, HostFile, Literal, concerns_shaders};
 use blocks::Blocks;
@@ -112,6 +113,28 @@ pub struct Printed {
     pub stage: Stage,
     /// The lines of the document that it takes, those around it included.
     pub lines: std::ops::RangeInclusive<usize>,
+    /// What to tell of what a host fills in, and is not known.
+    pub notes: Vec<String>,
+    /// Names in it that stand for values which are not known.
+    pub made_up: Vec<String>,
+}
+
+/// As [`printed_shaders`], and the modules in WGSL that a host puts together of templates, for commands that run them. What
+/// the file imports is read by `imports`.
+pub fn runnable_shaders(file: &SourceFile, imports: &mut Imports<'_>) -> Vec<Printed> {
+    let mut all = printed_shaders(file);
+    if language_of(file.name()) != Some(Language::Script) {
+        return all;
+    }
+    let host = HostFile::script(file, true);
+    let known: Vec<Span> = host.embedded().iter().filter(|e| !e.partial).map(|e| e.place).collect();
+    all.extend(filled(file, &known, imports).into_iter().map(|filled| {
+        let line = |offset: usize| file.position(offset).line;
+        let lines = line(filled.place.start).saturating_sub(1)..=line(filled.place.end.saturating_sub(1)) + 1;
+        Printed { file: filled.text, stage: Stage::Library, lines, notes: filled.notes, made_up: filled.made_up }
+    }));
+    all.sort_by_key(|shader| *shader.lines.start());
+    all
 }
 
 /// The whole shaders that a file of another kind holds, in the order of the text: the blocks of a document, strings of
@@ -140,7 +163,7 @@ pub fn printed_shaders(file: &SourceFile) -> Vec<Printed> {
         let place = literal.place()?;
         let last = file.position(place.end.saturating_sub(1)).line;
         let lines = file.position(place.start).line.saturating_sub(1)..=last + 1;
-        Some(Printed { file: literal.assembled(file, &name), stage, lines })
+        Some(Printed { file: literal.assembled(file, &name), stage, lines, notes: Vec::new(), made_up: Vec::new() })
     });
     printed.collect()
 }

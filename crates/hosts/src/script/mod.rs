@@ -10,6 +10,7 @@
 //! name is meant, is unknown, and nothing is reported about it.
 
 mod code;
+pub mod filled;
 mod host_text;
 mod language;
 mod lookup;

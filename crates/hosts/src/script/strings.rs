@@ -67,18 +67,22 @@ pub fn has_entry_point(text: &str) -> bool {
 
 /// The strings that hold a function of a stage in WGSL, and to which nothing is joined.
 pub fn with_entry_points<'t>(file: &'t SourceFile, tokens: &'t [Token<'t>]) -> impl Iterator<Item = Span> + 't {
-    // A call behind it, or a mark of a template in front of it, may make another text of it.
+    tokens.iter().enumerate().filter_map(move |(at, token)| {
+        let Token::String { place, inner, .. } = *token else { return None };
+        let text = file.slice(inner);
+        let whole = text.matches('{').count() == text.matches('}').count();
+        (is_alone(tokens, at) && whole && has_entry_point(text)).then_some(place)
+    })
+}
+
+/// True for a string to which nothing is joined. A call behind it, or a mark of a template in front of it, may make another
+/// text of it.
+pub fn is_alone(tokens: &[Token<'_>], at: usize) -> bool {
     let joins = |at: Option<usize>| {
         let token = at.and_then(|at| tokens.get(at));
         matches!(token, Some(Token::Mark('+' | '.' | '%') | Token::String { .. }))
     };
-    tokens.iter().enumerate().filter_map(move |(at, token)| {
-        let Token::String { place, inner, .. } = *token else { return None };
-        let text = file.slice(inner);
-        let alone = !joins(at.checked_sub(1)) && !joins(Some(at + 1));
-        let whole = text.matches('{').count() == text.matches('}').count();
-        (alone && whole && has_entry_point(text)).then_some(place)
-    })
+    !joins(at.checked_sub(1)) && !joins(Some(at + 1))
 }
 
 /// Tokens that make one text.
@@ -223,9 +227,6 @@ fn formatted(tokens: &[Token<'_>], chain: &Chain, partial: &mut bool) -> Formatt
     let before = |back: usize| chain.start.checked_sub(back).and_then(|at| tokens.get(at));
     if let Some(Token::Mark('(')) = before(1) {
         let is_macro = matches!(before(2), Some(Token::Mark('!')));
-        // What a test expects of a tool that writes shaders is no shader of a program.
-        const EXPECTED: [&str; 6] =
-            ["toContain", "toBe", "toEqual", "toStrictEqual", "toMatch", "toMatchInlineSnapshot"];
         match if is_macro { before(3) } else { before(2) } {
             Some(Token::Word("format")) if is_macro => return Formatted::Braces,
             Some(Token::Word("format" | "println" | "print" | "write" | "printf")) => return Formatted::Otherwise,
@@ -244,6 +245,15 @@ fn formatted(tokens: &[Token<'_>], chain: &Chain, partial: &mut bool) -> Formatt
         }
         _ => Formatted::No,
     }
+}
+
+/// What a test expects of a tool that writes shaders is no shader of a program.
+const EXPECTED: [&str; 6] = ["toContain", "toBe", "toEqual", "toStrictEqual", "toMatch", "toMatchInlineSnapshot"];
+
+/// True for a string that a test compares something with.
+pub fn is_expected(tokens: &[Token<'_>], at: usize) -> bool {
+    let before = |back: usize| at.checked_sub(back).and_then(|at| tokens.get(at));
+    matches!((before(1), before(2)), (Some(Token::Mark('(')), Some(Token::Word(word))) if EXPECTED.contains(word))
 }
 
 /// True for a text whose blocks are in double braces: it is formatted elsewhere.
@@ -309,7 +319,7 @@ fn template(literal: &mut Literal, file: &SourceFile, inner: Span, escapes: bool
 }
 
 /// Places of `${…}` from `at` on.
-fn holes(text: &str, at: usize) -> impl Iterator<Item = Span> {
+pub fn holes(text: &str, at: usize) -> impl Iterator<Item = Span> {
     let starts = text[at..].match_indices("${").map(move |(i, _)| at + i);
     starts.filter(|start| !text[..*start].ends_with('\\')).map(|start| Span::new(start, closing(text, start + 2)))
 }

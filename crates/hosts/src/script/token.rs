@@ -5,7 +5,7 @@ use base::text::Span;
 use super::language::{Form, Language};
 
 /// A token.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Token<'t> {
     /// A name, a keyword or a number.
     Word(&'t str),
