@@ -203,8 +203,14 @@ pub(super) fn subjects(
                 if let Some(Err(ProgramError::Source(found))) = rest {
                     errors.splice(0..0, found);
                 }
+                let mut subjects = Vec::new();
+                if let Some(open) = source.open() {
+                    let (slips, others): (Vec<_>, Vec<_>) = errors.into_iter().partition(|error| source.is_slip(error));
+                    subjects.extend(others.into_iter().next().map(|error| without(source, open, &error.at_origin())));
+                    errors = slips;
+                }
                 let errors = errors.into_iter().map(Diagnostic::at_origin).map(|d| source.explained(d)).collect();
-                return Ok((errors, Vec::new()));
+                return Ok((errors, subjects));
             }
             (Err(error), _) => return Err(error).with_context(|| source.name.clone()),
         };
@@ -231,6 +237,22 @@ pub(super) fn subjects(
     }
     known.extend(subjects.iter().map(|s| s.label.clone()));
     Ok((errors, subjects))
+}
+
+/// A text that does not compile without what its host fills in.
+fn without(source: &IncludedText, open: &str, error: &Diagnostic) -> Subject {
+    let label = source.name.rsplit('#').next().unwrap_or(&source.name);
+    let at = error.file.locate(error.span.start);
+    Subject {
+        label: label.to_owned(),
+        name: label.to_owned(),
+        parameters: Vec::new(),
+        ready: Err(format!("{open}: {}", error.message)),
+        at,
+        dispatch: None,
+        stated: Vec::new(),
+        made_up: false,
+    }
 }
 
 /// The command line up to the function.

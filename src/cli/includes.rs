@@ -42,6 +42,8 @@ pub struct IncludedText {
     filled: Vec<String>,
     /// Names that stand for what its host fills in.
     made_up: Vec<String>,
+    /// Why an error of the text need not be its author's.
+    open: Option<String>,
 }
 
 /// Reads a file and what it includes: `"path"` beside the file that asks and then in the stated folders, `<path>` in
@@ -80,6 +82,7 @@ pub fn with_includes(file: &SourceFile, path: &Path, given: &Given<'_>) -> anyho
         version: None,
         filled: Vec::new(),
         made_up: Vec::new(),
+        open: None,
     })
 }
 
@@ -102,7 +105,19 @@ pub fn read_all(path: &Path, given: &Given<'_>, stage: Option<Stage>) -> anyhow:
         let called = if is_file { format!("{}:{}", path.shown(), shader.lines.start() + 1) } else { name.clone() };
         let whole = with_includes(&shader.file, &path, given)?;
         let (filled, made_up) = (shader.notes, shader.made_up);
-        Ok(IncludedText { name, given: called, path, stage: shader.stage, printed: true, filled, made_up, ..whole })
+        let part = || shader.part.then(|| "its host puts it into other texts".to_owned());
+        let open = shader.open.or_else(part);
+        Ok(IncludedText {
+            name,
+            given: called,
+            path,
+            stage: shader.stage,
+            printed: true,
+            filled,
+            made_up,
+            open,
+            ..whole
+        })
     };
     printed.into_iter().map(text).collect()
 }
@@ -239,12 +254,11 @@ impl IncludedText {
     /// The same with what stands for declarations, and values of constants, that a text in WGSL lacks. A slip stays an error.
     fn with_declarations(mut self, defines: &[(String, String)]) -> Self {
         let Some(joined) = &mut self.joined else { return self };
-        let is_slip =
-            |d: &Diagnostic| reading::open::is_slip(d) && !self.made_up.iter().any(|n| n == d.file.slice(d.span));
-        let slips = joined.unknown_names().into_iter().filter(is_slip).collect();
+        let unknown = joined.unknown_names();
         self.completed.declared = joined.complete();
         if !self.completed.declared.is_empty() {
-            self.slips = slips;
+            let made_up = &self.made_up;
+            self.slips = unknown.into_iter().filter(|error| is_slip(error, made_up)).collect();
         }
         if Written::of(&self.file) == Written::Wgsl
             && let Ok(text) = joined.module()
@@ -253,6 +267,16 @@ impl IncludedText {
             self.completed.assumed = open.map(|(name, value)| (name, value.to_owned())).collect();
         }
         self
+    }
+
+    /// True for a name that nobody means to declare, and that is none of those that stand for what a host fills in.
+    pub fn is_slip(&self, error: &Diagnostic) -> bool {
+        is_slip(error, &self.made_up)
+    }
+
+    /// Why an error of the text need not be its author's: what is not known of it.
+    pub fn open(&self) -> Option<&str> {
+        self.open.as_deref()
     }
 
     /// True for a function that stands for one that the text lacks.
@@ -294,4 +318,16 @@ impl IncludedText {
     pub fn explained(&self, diagnostic: Diagnostic) -> Diagnostic {
         self.includes.explained(diagnostic)
     }
+}
+
+fn is_slip(error: &Diagnostic, made_up: &[String]) -> bool {
+    let name = error.file.slice(error.span);
+    reading::open::is_slip(error) && !is_type_of(name, &error.file) && !made_up.iter().any(|own| own == name)
+}
+
+/// True for a name that differs from one of the text by a capital at its start alone: a type, after which a variable is called.
+fn is_type_of(name: &str, file: &SourceFile) -> bool {
+    let Some(first) = name.chars().next().filter(|first| first.is_uppercase()) else { return false };
+    let variable: String = first.to_lowercase().chain(name.chars().skip(1)).collect();
+    file.text().split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == variable)
 }

@@ -117,6 +117,10 @@ pub struct Printed {
     pub notes: Vec<String>,
     /// Names in it that stand for values which are not known.
     pub made_up: Vec<String>,
+    /// What a host fills in and is not known, so that an error of the text need not be its author's.
+    pub open: Option<String>,
+    /// True for a string that a host puts into others.
+    pub part: bool,
 }
 
 /// As [`printed_shaders`], and the modules in WGSL that a host puts together of templates, for commands that run them. What
@@ -131,7 +135,15 @@ pub fn runnable_shaders(file: &SourceFile, imports: &mut Imports<'_>) -> Vec<Pri
     all.extend(filled(file, &known, imports).into_iter().map(|filled| {
         let line = |offset: usize| file.position(offset).line;
         let lines = line(filled.place.start).saturating_sub(1)..=line(filled.place.end.saturating_sub(1)) + 1;
-        Printed { file: filled.text, stage: Stage::Library, lines, notes: filled.notes, made_up: filled.made_up }
+        Printed {
+            file: filled.text,
+            stage: Stage::Library,
+            lines,
+            notes: filled.notes,
+            made_up: filled.made_up,
+            open: filled.open,
+            part: filled.part,
+        }
     }));
     all.sort_by_key(|shader| *shader.lines.start());
     all
@@ -163,7 +175,15 @@ pub fn printed_shaders(file: &SourceFile) -> Vec<Printed> {
         let place = literal.place()?;
         let last = file.position(place.end.saturating_sub(1)).line;
         let lines = file.position(place.start).line.saturating_sub(1)..=last + 1;
-        Some(Printed { file: literal.assembled(file, &name), stage, lines, notes: Vec::new(), made_up: Vec::new() })
+        Some(Printed {
+            file: literal.assembled(file, &name),
+            stage,
+            lines,
+            notes: Vec::new(),
+            made_up: Vec::new(),
+            open: None,
+            part: false,
+        })
     });
     printed.collect()
 }

@@ -33,6 +33,8 @@ enum Around {
     Variable(usize),
     /// A value that has to be known before anything runs.
     Constant,
+    /// The value of a variable of the module, which has to be known as well: its type, or where it is named.
+    Module(Option<String>, usize),
 }
 
 /// A text, and what stands around its expressions.
@@ -64,7 +66,8 @@ impl<'s> Asked<'s> {
             let ModuleItem::Variable(variable) = item else { continue };
             self.sizes(variable.ty.as_ref());
             if let Some(value) = variable.value {
-                self.around.insert(value, Around::Constant);
+                let ty = variable.ty.as_ref().map(|ty| self.written(ty));
+                self.around.insert(value, Around::Module(ty, variable.name.span.start));
             }
         }
         for local in module.locals.values() {
@@ -310,8 +313,10 @@ impl<'s> Asked<'s> {
             Some(Around::Truth) => one("bool"),
             Some(Around::Whole) => vec!["u32".to_owned(), "i32".to_owned()],
             Some(Around::Constant) => one("u32"),
-            Some(Around::Typed(ty)) => one(ty),
-            Some(Around::Variable(place)) => self.of_uses(self.of_variable(*place), depth + 1),
+            Some(Around::Typed(ty) | Around::Module(Some(ty), _)) => one(ty),
+            Some(Around::Variable(place) | Around::Module(None, place)) => {
+                self.of_uses(self.of_variable(*place), depth + 1)
+            }
             None => Vec::new(),
         }
     }
@@ -415,10 +420,13 @@ impl<'s> Asked<'s> {
         }
         let constant = uses.iter().any(|id| {
             let root = std::iter::successors(Some(*id), |id| self.parents.get(id).copied()).last();
-            root.is_some_and(|root| matches!(self.around.get(&root), Some(Around::Constant)))
+            root.is_some_and(|root| matches!(self.around.get(&root), Some(Around::Constant | Around::Module(..))))
         });
         if constant || uses.is_empty() {
-            return ["u32", "i32", "f32"].map(|ty| Form::Variable("const", Shape::one(ty))).to_vec();
+            let mut types = self.of_uses(uses, 0);
+            types.retain(|ty| NUMBERS.contains(&ty.as_str()) && !ty.starts_with("mat"));
+            types.extend(["u32", "i32", "f32", "vec2f", "vec3f", "vec4f"].map(str::to_owned));
+            return types.into_iter().map(|ty| Form::Variable("const", Shape::one(ty))).collect();
         }
         let (_, indexed) = self.parts(&uses);
         let written = uses.iter().any(|id| self.is_written(*id));

@@ -94,12 +94,13 @@ fn real(name: &str) -> Option<Type> {
     plain(name).filter(|_| name != "f16" && !name.ends_with('h'))
 }
 
-fn constant(ty: &str) -> &'static str {
+fn constant(ty: &str) -> String {
     match ty {
-        "bool" => "true",
-        "u32" => "16u",
-        "i32" => "16",
-        _ => "1.0",
+        "bool" => "true".to_owned(),
+        "u32" => "16u".to_owned(),
+        "i32" => "16".to_owned(),
+        ty if ty.starts_with("vec") => format!("{ty}(1)"),
+        _ => "1.0".to_owned(),
     }
 }
 

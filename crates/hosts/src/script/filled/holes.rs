@@ -21,13 +21,13 @@ pub(super) struct Closed {
     pub notes: Vec<String>,
     /// Names that are made up for values.
     pub made_up: Vec<String>,
+    /// A hole on whose value the text may depend.
+    pub open: Option<String>,
 }
 
 /// A hole, and what is around it.
 struct Hole<'a> {
     open: &'a Open,
-    /// Its place in the text.
-    span: Span,
     /// The code in front of it, without comments.
     before: &'a str,
     /// The bracket that it stands in, as an offset of the code in front.
@@ -85,11 +85,15 @@ pub(super) fn closed(text: &SourceFile, open: &[Open]) -> Closed {
     let mut made_up: Vec<String> = made_up.into_iter().flat_map(words).collect();
     made_up.sort();
     made_up.dedup();
+    let first = nothing.first().or_else(|| inputs.first()).or_else(|| taken.first());
+    let open = first
+        .and_then(|first| first.split(" is taken for").next()?.split(" as `").next())
+        .map(|first| format!("{first} is not known"));
     let mut notes = Vec::new();
     notes.extend(listed("nothing stands for what is filled in and is not known", nothing));
     notes.extend(taken);
     notes.extend(listed("what is filled in and is not known is taken for inputs of any value", inputs));
-    Closed { file, notes, made_up }
+    Closed { file, notes, made_up, open }
 }
 
 fn listed(what: &str, mut all: Vec<String>) -> Option<String> {
@@ -181,14 +185,7 @@ impl Code {
         let behind = &text[mark.span.end..];
         let rest = behind.split('\n').next().unwrap_or("").trim();
         let ends = rest.is_empty() || rest == ";" || rest.starts_with("//");
-        Hole {
-            open,
-            span: mark.span,
-            before: &self.code[..mark.before],
-            bracket: mark.bracket,
-            behind,
-            alone: line.is_empty() && ends,
-        }
+        Hole { open, before: &self.code[..mark.before], bracket: mark.bracket, behind, alone: line.is_empty() && ends }
     }
 }
 
@@ -276,7 +273,6 @@ impl Hole<'_> {
     fn swallowed(&self) -> usize {
         let Some(rest) = self.behind.strip_prefix('.') else { return 0 };
         let digits = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit()).len();
-        let _ = self.span;
         if digits == 0 { 0 } else { 1 + digits + usize::from(rest[digits..].starts_with('f')) }
     }
 }

@@ -16,7 +16,6 @@ mod syntax;
 mod tests;
 mod values;
 
-use std::cell::RefCell;
 use std::rc::Rc;
 
 use ::syntax::Shader;
@@ -51,6 +50,10 @@ pub struct Filled {
     pub notes: Vec<String>,
     /// Names that stand for values which are not known.
     pub made_up: Vec<String>,
+    /// What is not known, so that an error of the text need not be its author's.
+    pub open: Option<String>,
+    /// True for a text without a function of a stage: a part of others.
+    pub part: bool,
 }
 
 /// The modules that templates of a file make, and the parts of modules that none of them has. `known` are the places of
@@ -133,7 +136,10 @@ fn candidate(code: &Code<'_>, files: &Files, at: usize, (place, inner, form): (S
     let text = values.text(inner, form, &scope, 0)?;
     let used = values.used.take();
     let open = values.open.take();
+    let mut assumed = values.assumed.take();
     let closed = holes::closed(&text, &open);
+    let unknown = closed.open.or_else(|| assumed.first().cloned());
+    assumed.extend(closed.notes);
     let written = closed.file.text();
     let whole = strings::has_entry_point(written);
     let line = code.file.position(place.start).line;
@@ -146,8 +152,9 @@ fn candidate(code: &Code<'_>, files: &Files, at: usize, (place, inner, form): (S
         .any(|found| found.severity == Severity::Error && ::syntax::errors::is_of_the_text(found.code));
     let defines = parsed.shader.functions().any(|(_, own)| own.definition.is_some());
     // What is wrong in a text with holes may follow from what was taken for them.
-    let runs = if whole { !broken || open.is_empty() } else { !broken && defines };
-    let filled = Filled { text: closed.file, place, notes: closed.notes, made_up: closed.made_up };
+    let runs = if whole { !broken || unknown.is_none() } else { !broken && defines };
+    let filled =
+        Filled { text: closed.file, place, notes: assumed, made_up: closed.made_up, open: unknown, part: !whole };
     runs.then_some(Candidate { filled, called, used, inner, whole })
 }
 
@@ -221,7 +228,9 @@ fn frames(code: &Code<'_>, values: &Values<'_>, at: usize) -> Option<Rc<Frame>> 
     let mut frame: Option<Rc<Frame>> = None;
     let add = |params: usize, frame: Option<Rc<Frame>>| -> Rc<Frame> {
         if let (Some(word), false) = (code.word(params), code.is_mark(params, '(')) {
-            return Rc::new(Frame { names: RefCell::new(vec![(word.to_owned(), None)]), outer: frame });
+            let own = Frame::within(frame);
+            own.add(word, None);
+            return own;
         }
         values.frame(&reader(params).params(params), &[], frame, 0, 0)
     };
@@ -237,7 +246,7 @@ fn frames(code: &Code<'_>, values: &Values<'_>, at: usize) -> Option<Rc<Frame>> 
         {
             frame = Some(add(own.parameters.start, frame));
         }
-        let own = Rc::new(Frame { names: RefCell::default(), outer: frame });
+        let own = Frame::within(frame);
         bound_by_head(code, open, &own);
         constants(code, values, &reader, (open, at), &own);
         frame = Some(own);
@@ -257,7 +266,7 @@ fn bound_by_head(code: &Code<'_>, open: usize, frame: &Frame) {
         return;
     }
     let names = (start + 1..close).take_while(|at| !matches!(code.word(*at), Some("of" | "in")));
-    frame.names.borrow_mut().extend(names.filter_map(|at| Some((code.word(at)?.to_owned(), None))));
+    names.filter_map(|at| code.word(at)).for_each(|name| frame.add(name, None));
 }
 
 /// Adds the variables that a block declares in front of a token.
@@ -278,7 +287,7 @@ fn constants<'a, 't>(
         let steady = kind == "const" || !is_changed(&code.tokens, name);
         let node = value_behind(&mut reader(at + 2), &code.tokens).filter(|_| steady);
         let value = node.and_then(|node| values.value(&node, &scope, 0));
-        frame.names.borrow_mut().push((name.to_owned(), value));
+        frame.add(name, value);
     }
 }
 
@@ -300,7 +309,7 @@ fn pattern<'a, 't>(
         let member = node.as_ref().map(|node| Rc::new(Node::Member(node.clone(), key.to_owned())));
         let value = member.filter(|_| code.is_mark(open, '{')).and_then(|node| values.value(&node, scope, 0));
         if let Some(frame) = &scope.frame {
-            frame.names.borrow_mut().push((name.to_owned(), value));
+            frame.add(name, value);
         }
     }
 }

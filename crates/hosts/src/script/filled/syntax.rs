@@ -30,8 +30,8 @@ pub(super) enum Node {
     Call(Rc<Self>, Vec<Rc<Self>>),
     Unary(char, Rc<Self>),
     Binary(&'static str, Rc<Self>, Rc<Self>),
-    /// `a ? b : c`
-    Choice(Rc<Self>, Rc<Self>, Rc<Self>),
+    /// `a ? b : c`, with the place of the condition.
+    Choice(Rc<Self>, Span, Rc<Self>, Rc<Self>),
     Object(Vec<(String, Rc<Self>)>),
     List(Vec<Rc<Self>>),
     Function(Rc<Function>),
@@ -42,9 +42,17 @@ pub(super) enum Node {
 #[derive(Debug)]
 pub(super) struct Function {
     pub params: Vec<Param>,
-    /// Constants of its body, in their order.
-    pub locals: Vec<(String, Rc<Node>)>,
-    pub result: Rc<Node>,
+    /// What its body does, in its order.
+    pub steps: Vec<Step>,
+}
+
+/// A statement of a function.
+#[derive(Debug)]
+pub(super) enum Step {
+    Constant(String, Rc<Node>),
+    /// What is returned under a condition, whose place is given; none where the function ends with an error.
+    If(Rc<Node>, Span, Option<Rc<Node>>),
+    Return(Rc<Node>),
 }
 
 /// A name that a function takes.
@@ -165,6 +173,12 @@ impl<'a, 't> Reader<'a, 't> {
         }
     }
 
+    /// The place of the tokens from one on.
+    fn span(&self, start: usize) -> Span {
+        let place = |at: usize| self.places.get(at).copied().unwrap_or_default();
+        place(start).to(place(self.at.saturating_sub(1).max(start)))
+    }
+
     fn is_new_line(&self) -> bool {
         let pair = self.at.checked_sub(1).and_then(|before| self.places.get(before)).zip(self.places.get(self.at));
         pair.is_some_and(|(a, b)| self.file.slice(Span::new(a.end, b.start.max(a.end))).contains('\n'))
@@ -181,7 +195,9 @@ impl<'a, 't> Reader<'a, 't> {
     }
 
     fn choice(&mut self) -> Option<Rc<Node>> {
+        let start = self.at;
         let condition = self.binary(0)?;
+        let place = self.span(start);
         if self.mark(self.at) != Some('?') || matches!(self.mark(self.at + 1), Some('.' | '?')) {
             return Some(condition);
         }
@@ -189,7 +205,7 @@ impl<'a, 't> Reader<'a, 't> {
         let then = self.expression();
         self.takes(':').then_some(())?;
         let other = self.expression();
-        Some(Rc::new(Node::Choice(condition, then, other)))
+        Some(Rc::new(Node::Choice(condition, place, then, other)))
     }
 
     fn binary(&mut self, level: usize) -> Option<Rc<Node>> {
@@ -500,36 +516,75 @@ impl<'a, 't> Reader<'a, 't> {
         Some(Param { name, at, key: in_pattern.then_some(key), plain })
     }
 
-    /// What a function does: an expression, or constants and what it returns at the end.
+    /// What a function does: an expression, or constants and what it returns, under conditions as well.
     fn body(&mut self, params: Vec<Param>) -> Rc<Node> {
         if self.mark(self.at) != Some('{') {
-            let result = self.expression();
-            return Rc::new(Node::Function(Rc::new(Function { params, locals: Vec::new(), result })));
+            let steps = vec![Step::Return(self.expression())];
+            return Rc::new(Node::Function(Rc::new(Function { params, steps })));
         }
         let end = self.behind(self.at);
         self.at += 1;
-        let (mut locals, mut result) = (Vec::new(), None);
-        while self.at + 1 < end && result.is_none() {
-            match self.word(self.at) {
-                Some("const") if self.word(self.at + 1).is_some() => {
-                    let name = self.word(self.at + 1).unwrap_or_default().to_owned();
-                    self.at += 2;
+        let mut steps = Vec::new();
+        while self.at + 1 < end && self.step(&mut steps).is_some() {
+            self.takes(';');
+        }
+        self.at = end;
+        Rc::new(Node::Function(Rc::new(Function { params, steps })))
+    }
+
+    /// Reads a statement; none behind the last one that is read.
+    fn step(&mut self, steps: &mut Vec<Step>) -> Option<()> {
+        match self.word(self.at)? {
+            "const" => {
+                self.at += 1;
+                if let Some(name) = self.word(self.at) {
+                    self.at += 1;
                     if self.takes(':') {
                         self.skip_type();
                     }
                     let value = if self.takes('=') { self.expression() } else { Rc::new(Node::Unknown) };
-                    locals.push((name, value));
+                    steps.push(Step::Constant(name.to_owned(), value));
+                    return Some(());
                 }
-                Some("return") => {
-                    self.at += 1;
-                    result = Some(self.expression());
-                }
-                _ => break,
+                // Names of a pattern.
+                let end = self.behind(self.at);
+                let names = (self.at..end).filter_map(|at| self.word(at));
+                steps.extend(names.map(|name| Step::Constant(name.to_owned(), Rc::new(Node::Unknown))));
+                self.at = end;
+                self.skip();
+                Some(())
             }
-            self.takes(';');
+            "return" => {
+                self.at += 1;
+                steps.push(Step::Return(self.expression()));
+                None
+            }
+            "if" if self.mark(self.at + 1) == Some('(') => {
+                let start = self.at + 2;
+                self.at = start;
+                let condition = self.expression();
+                let place = self.span(start);
+                self.takes(')').then_some(())?;
+                let block = self.takes('{');
+                let result = match self.word(self.at) {
+                    Some("return") => {
+                        self.at += 1;
+                        Some(self.expression())
+                    }
+                    Some("throw") => {
+                        self.at += 1;
+                        self.skip();
+                        None
+                    }
+                    _ => return None,
+                };
+                self.takes(';');
+                (!block || self.takes('}')).then_some(())?;
+                (self.word(self.at) != Some("else")).then_some(())?;
+                steps.push(Step::If(condition, place, result));
+                Some(())
+            }
+            _ => None,
         }
-        self.at = end;
-        let result = result.unwrap_or_else(|| Rc::new(Node::Unknown));
-        Rc::new(Node::Function(Rc::new(Function { params, locals, result })))
     }
 }

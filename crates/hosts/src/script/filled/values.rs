@@ -6,7 +6,7 @@ use std::rc::Rc;
 use base::text::{Assembly, SourceFile, Span};
 
 use super::files::Files;
-use super::syntax::{Function, Node, Param, Reader, part};
+use super::syntax::{Node, Param, Reader, Step, part};
 use crate::Literal;
 use crate::script::language::Form;
 use crate::script::strings::holes;
@@ -45,15 +45,33 @@ pub(super) struct Scope {
 
 /// Names of a function.
 pub(super) struct Frame {
-    /// Names, and their values where they are known.
-    pub names: RefCell<Vec<(String, Option<Value>)>>,
-    pub outer: Option<Rc<Self>>,
+    names: RefCell<Vec<Named>>,
+    outer: Option<Rc<Self>>,
+}
+
+struct Named {
+    name: String,
+    /// None where it is not known.
+    value: Option<Value>,
+    /// What to tell where the value is used, and is assumed.
+    note: Option<String>,
 }
 
 impl Frame {
-    /// The value of a name, which may be unknown; none where this and all around it lack the name.
-    fn value(&self, name: &str) -> Option<Option<Value>> {
-        let own = self.names.borrow().iter().rev().find(|(known, _)| known == name).map(|(_, value)| value.clone());
+    /// No names, within those of another.
+    pub(super) fn within(outer: Option<Rc<Self>>) -> Rc<Self> {
+        Rc::new(Self { names: RefCell::default(), outer })
+    }
+
+    /// Adds a name; its value is unknown where there is none.
+    pub(super) fn add(&self, name: &str, value: Option<Value>) {
+        self.names.borrow_mut().push(Named { name: name.to_owned(), value, note: None });
+    }
+
+    /// The value of a name, which may be unknown, and what to tell of it; none where this and all around it lack the name.
+    fn value(&self, name: &str) -> Option<(Option<Value>, Option<String>)> {
+        let names = self.names.borrow();
+        let own = names.iter().rev().find(|own| own.name == name).map(|own| (own.value.clone(), own.note.clone()));
         own.or_else(|| self.outer.as_ref()?.value(name))
     }
 }
@@ -71,6 +89,8 @@ pub(super) struct Open {
 pub(super) struct Values<'f> {
     pub files: &'f Files,
     pub open: RefCell<Vec<Open>>,
+    /// What to tell of what is taken for known.
+    pub assumed: RefCell<Vec<String>>,
     /// Strings that were read, by their file and place.
     pub used: RefCell<Vec<(usize, Span)>>,
     steps: Cell<usize>,
@@ -78,7 +98,13 @@ pub(super) struct Values<'f> {
 
 impl<'f> Values<'f> {
     pub(super) fn new(files: &'f Files) -> Self {
-        Self { files, open: RefCell::default(), used: RefCell::default(), steps: Cell::new(0) }
+        Self {
+            files,
+            open: RefCell::default(),
+            assumed: RefCell::default(),
+            used: RefCell::default(),
+            steps: Cell::new(0),
+        }
     }
 
     /// What an expression comes to.
@@ -126,20 +152,19 @@ impl<'f> Values<'f> {
                 _ => Some(left),
             }),
             Node::Binary(op, left, right) => binary(op, &of(left)?, &of(right)?),
-            Node::Choice(condition, then, other) => {
-                if truth(&of(condition)?)? {
-                    of(then)
-                } else {
-                    of(other)
-                }
-            }
+            Node::Choice(condition, place, then, other) => match of(condition).as_ref().and_then(truth) {
+                Some(true) => of(then),
+                Some(false) => of(other),
+                None => self.either((condition, *place), scope, &|| of(then), &|| of(other)),
+            },
             Node::Unknown => None,
         }
     }
 
     /// The value of a name where it stands.
     pub(super) fn name(&self, name: &str, scope: &Scope, depth: usize) -> Option<Value> {
-        if let Some(known) = scope.frame.as_ref().and_then(|frame| frame.value(name)) {
+        if let Some((known, note)) = scope.frame.as_ref().and_then(|frame| frame.value(name)) {
+            note.into_iter().for_each(|note| self.assume(note));
             return known;
         }
         if depth > DEEPEST {
@@ -220,10 +245,10 @@ impl<'f> Values<'f> {
         let Node::Function(function) = &*node else { return None };
         let given: Vec<Option<Value>> = args.iter().map(of).collect();
         let frame = self.frame(&function.params, &given, own.frame.clone(), own.file, depth);
-        self.result(function, &Scope { file: own.file, frame: Some(frame) }, depth)
+        self.result(&function.steps, &Scope { file: own.file, frame: Some(frame) }, depth)
     }
 
-    /// The names of a function with arguments.
+    /// The names of a function with arguments; with those that their declarations say, where its caller is not seen.
     pub(super) fn frame(
         &self,
         params: &[Param],
@@ -232,32 +257,80 @@ impl<'f> Values<'f> {
         file: usize,
         depth: usize,
     ) -> Rc<Frame> {
-        let frame = Rc::new(Frame { names: RefCell::default(), outer });
+        let is_open = given.is_empty();
+        let frame = Frame::within(outer);
         for param in params {
             let given = match (given.get(param.at).cloned(), &param.key) {
                 (Some(argument), Some(key)) => argument.map(|argument| self.member(&argument, key, depth)),
                 (argument, _) => argument,
             };
-            let value = match given {
+            let (value, note) = match given {
                 Some(Some(Value::Nothing)) | None => {
                     let scope = Scope { file, frame: Some(frame.clone()) };
-                    param.plain.as_ref().and_then(|plain| self.value(plain, &scope, depth + 1))
+                    let value = param.plain.as_ref().and_then(|plain| self.value(plain, &scope, depth + 1));
+                    let written = value.as_ref().and_then(text_of).map(|text| text.text().to_owned());
+                    let called = self.files.file(file).map(SourceFile::name).unwrap_or_default();
+                    let note = written.map(|written| format!("`{}` of {called} is taken for `{written}`", param.name));
+                    (value, note.filter(|_| is_open))
                 }
-                Some(value) => value,
+                Some(value) => (value, None),
             };
-            frame.names.borrow_mut().push((param.name.clone(), value));
+            frame.names.borrow_mut().push(Named { name: param.name.clone(), value, note });
         }
         frame
     }
 
-    fn result(&self, function: &Function, scope: &Scope, depth: usize) -> Option<Value> {
-        for (name, value) in &function.locals {
-            let value = self.value(value, scope, depth + 1);
-            if let Some(frame) = &scope.frame {
-                frame.names.borrow_mut().push((name.clone(), value));
+    /// What a function returns.
+    fn result(&self, steps: &[Step], scope: &Scope, depth: usize) -> Option<Value> {
+        let (first, rest) = steps.split_first()?;
+        match first {
+            Step::Constant(name, value) => {
+                let value = self.value(value, scope, depth + 1);
+                if let Some(frame) = &scope.frame {
+                    frame.add(name, value);
+                }
+                self.result(rest, scope, depth)
+            }
+            Step::Return(value) => self.value(value, scope, depth + 1),
+            Step::If(condition, place, result) => {
+                let then = || self.value(result.as_ref()?, scope, depth + 1);
+                let other = || self.result(rest, scope, depth);
+                match self.value(condition, scope, depth + 1).as_ref().and_then(truth) {
+                    Some(true) => then(),
+                    Some(false) => other(),
+                    None if result.is_none() => other(),
+                    None => self.either((condition, *place), scope, &then, &other),
+                }
             }
         }
-        self.value(&function.result, scope, depth + 1)
+    }
+
+    /// One of two values, under a condition that is not known: the one where what it asks for is not so, or else the one that
+    /// is known.
+    fn either(
+        &self,
+        (condition, place): (&Node, Span),
+        scope: &Scope,
+        then: &dyn Fn() -> Option<Value>,
+        other: &dyn Fn() -> Option<Value>,
+    ) -> Option<Value> {
+        let (first, second) = if denies(condition) { (then, other) } else { (other, then) };
+        let (value, taken) = match first() {
+            Some(value) => (value, denies(condition)),
+            None => (second()?, !denies(condition)),
+        };
+        if let Some(file) = self.files.file(scope.file) {
+            let written = file.slice(place).split_whitespace().collect::<Vec<_>>().join(" ");
+            self.assume(format!("`{written}` at {} is not known, and taken for {taken}", file.locate(place.start)));
+        }
+        Some(value)
+    }
+
+    fn assume(&self, note: String) {
+        let mut assumed = self.assumed.borrow_mut();
+        if !assumed.contains(&note) {
+            assumed.push(note);
+        }
     }
 
     fn numbers(&self, args: &[Rc<Node>], scope: &Scope, depth: usize) -> Option<Vec<f64>> {
@@ -301,7 +374,7 @@ impl<'f> Values<'f> {
             let mut literal = Literal::default();
             match form {
                 Form::Raw | Form::RawTemplate => literal.verbatim_raw(file, inner),
-                _ => literal.escaped(file, inner)?,
+                _ => escaped(&mut literal, file, inner)?,
             }
             return Some(literal.assembled(file, file.name()));
         }
@@ -310,7 +383,7 @@ impl<'f> Values<'f> {
             let hole = holes(text, at).next();
             let end = hole.map_or(text.len(), |hole| hole.start);
             let mut literal = Literal::default();
-            literal.escaped(file, Span::new(inner.start + at, inner.start + end))?;
+            escaped(&mut literal, file, Span::new(inner.start + at, inner.start + end))?;
             copy(&mut out, &literal.assembled(file, file.name()));
             let Some(hole) = hole else { return Some(out.finish(file.name())) };
             let place = Span::new(inner.start + hole.start, inner.start + hole.end);
@@ -345,6 +418,15 @@ impl<'f> Values<'f> {
     }
 }
 
+/// True for a condition that is true where what it asks for is not so.
+fn denies(condition: &Node) -> bool {
+    match condition {
+        Node::Unary('!', inner) => !denies(inner),
+        Node::Binary("!==" | "!=", ..) => true,
+        _ => false,
+    }
+}
+
 /// The text that a value is written as; none for an object.
 fn text_of(value: &Value) -> Option<SourceFile> {
     match value {
@@ -353,6 +435,26 @@ fn text_of(value: &Value) -> Option<SourceFile> {
         Value::Truth(truth) => Some(SourceFile::new("", truth.to_string())),
         Value::Number(_) | Value::Nothing | Value::Kept(..) | Value::File(_) => None,
     }
+}
+
+/// Adds a part of a string. Before most characters, a backslash means nothing in JavaScript.
+fn escaped(literal: &mut Literal, file: &SourceFile, span: Span) -> Option<()> {
+    let text = file.slice(span);
+    let mut at = 0;
+    while let Some(start) = text[at..].find('\\').map(|offset| at + offset) {
+        let next = text[start + 1..].chars().next()?;
+        let end = start + 1 + next.len_utf8();
+        let host = |from: usize, to: usize| Span::new(span.start + from, span.start + to);
+        if "ntr\"'`\\\n\r".contains(next) {
+            literal.escaped(file, host(at, end))?;
+        } else {
+            (!"xubfv".contains(next) && !next.is_ascii_digit()).then_some(())?;
+            literal.escaped(file, host(at, start))?;
+            literal.made(&next.to_string(), host(start, end));
+        }
+        at = end;
+    }
+    literal.escaped(file, Span::new(span.start + at, span.end))
 }
 
 fn copy(out: &mut Assembly, text: &SourceFile) {
