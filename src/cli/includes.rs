@@ -44,6 +44,8 @@ pub struct IncludedText {
     made_up: Vec<String>,
     /// Why an error of the text need not be its author's.
     open: Option<String>,
+    /// Functions whose findings rest on what is taken for what its host fills in.
+    resting: Vec<String>,
 }
 
 /// Reads a file and what it includes: `"path"` beside the file that asks and then in the stated folders, `<path>` in
@@ -83,6 +85,7 @@ pub fn with_includes(file: &SourceFile, path: &Path, given: &Given<'_>) -> anyho
         filled: Vec::new(),
         made_up: Vec::new(),
         open: None,
+        resting: Vec::new(),
     })
 }
 
@@ -104,7 +107,7 @@ pub fn read_all(path: &Path, given: &Given<'_>, stage: Option<Stage>) -> anyhow:
         let is_file = hosts::language_of(&path.to_string_lossy()).is_some();
         let called = if is_file { format!("{}:{}", path.shown(), shader.lines.start() + 1) } else { name.clone() };
         let whole = with_includes(&shader.file, &path, given)?;
-        let (filled, made_up) = (shader.notes, shader.made_up);
+        let (filled, made_up, resting) = (shader.notes, shader.made_up, shader.resting);
         let part = || shader.part.then(|| "its host puts it into other texts".to_owned());
         let open = shader.open.or_else(part);
         Ok(IncludedText {
@@ -116,6 +119,7 @@ pub fn read_all(path: &Path, given: &Given<'_>, stage: Option<Stage>) -> anyhow:
             filled,
             made_up,
             open,
+            resting,
             ..whole
         })
     };
@@ -287,6 +291,9 @@ impl IncludedText {
     /// What was found in a function, as far as that may rest on what is assumed: see [`Completed::soften`].
     pub fn softened(&self, mut function: FunctionReport) -> FunctionReport {
         self.completed.soften(&mut function);
+        if self.resting.contains(&function.function) {
+            function.as_warnings();
+        }
         function
     }
 
@@ -322,7 +329,9 @@ impl IncludedText {
 
 fn is_slip(error: &Diagnostic, made_up: &[String]) -> bool {
     let name = error.file.slice(error.span);
-    reading::open::is_slip(error) && !is_type_of(name, &error.file) && !made_up.iter().any(|own| own == name)
+    // Its place may be that of the hole for which it stands.
+    let stands_in = name.starts_with("${") || made_up.iter().any(|own| own == name);
+    reading::open::is_slip(error) && !is_type_of(name, &error.file) && !stands_in
 }
 
 /// True for a name that differs from one of the text by a capital at its start alone: a type, after which a variable is called.

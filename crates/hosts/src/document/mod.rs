@@ -121,6 +121,8 @@ pub struct Printed {
     pub open: Option<String>,
     /// True for a string that a host puts into others.
     pub part: bool,
+    /// Functions whose findings rest on what is taken for what a host fills in.
+    pub resting: Vec<String>,
 }
 
 /// As [`printed_shaders`], and the modules in WGSL that a host puts together of templates, for commands that run them. What
@@ -143,6 +145,7 @@ pub fn runnable_shaders(file: &SourceFile, imports: &mut Imports<'_>) -> Vec<Pri
             made_up: filled.made_up,
             open: filled.open,
             part: filled.part,
+            resting: filled.resting,
         }
     }));
     all.sort_by_key(|shader| *shader.lines.start());
@@ -183,6 +186,7 @@ pub fn printed_shaders(file: &SourceFile) -> Vec<Printed> {
             made_up: Vec::new(),
             open: None,
             part: false,
+            resting: Vec::new(),
         })
     });
     printed.collect()

@@ -16,6 +16,9 @@ const MOST: usize = 48;
 /// Bytes that are read for one.
 const MOST_BYTES: usize = 4 << 20;
 
+/// What files declare under names.
+type Known = HashMap<(usize, String), Option<Rc<Node>>>;
+
 /// A name that a file imports: its name where it is declared, or none for all of the file.
 pub(super) struct Import {
     pub path: String,
@@ -36,7 +39,8 @@ pub(super) struct Files {
     wanted: RefCell<Vec<(usize, String)>>,
     /// Files whose declarations were used.
     seen: RefCell<Vec<usize>>,
-    known: RefCell<HashMap<(usize, String), Option<Rc<Node>>>>,
+    /// Declarations that were looked up.
+    known: RefCell<Known>,
 }
 
 impl Files {
@@ -193,8 +197,8 @@ impl Files {
             }
             let Some(close) = (open..tokens.len()).find(|t| tokens[*t] == Token::Mark('}')) else { continue };
             let path = if is_word(&tokens, close + 1, "from") { string(file, &tokens, close + 2) } else { None };
-            let names = (open + 1..close).filter(|t| is_word(&tokens, *t, name) && !is_word(&tokens, *t + 1, "as"));
-            for t in names {
+            let mut names = (open + 1..close).filter(|t| is_word(&tokens, *t, name) && !is_word(&tokens, *t + 1, "as"));
+            if let Some(t) = names.next() {
                 let own = if is_word(&tokens, t - 1, "as") { written(&tokens, t - 2)? } else { name.to_owned() };
                 return Some(Export { name: own, path });
             }

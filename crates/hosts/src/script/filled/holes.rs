@@ -6,6 +6,7 @@ use std::collections::HashMap;
 
 use base::text::{Assembly, SourceFile, Span};
 
+use super::rests::resting;
 use super::values::{OPEN, Open};
 
 /// Characters of a name that is made up.
@@ -23,6 +24,8 @@ pub(super) struct Closed {
     pub made_up: Vec<String>,
     /// A hole on whose value the text may depend.
     pub open: Option<String>,
+    /// Functions whose findings rest on what is taken.
+    pub resting: Vec<String>,
 }
 
 /// A hole, and what is around it.
@@ -51,32 +54,44 @@ enum Stand {
 pub(super) fn closed(text: &SourceFile, open: &[Open]) -> Closed {
     let code = Code::read(text.text());
     let mut numbers = Numbers::new(text.text());
+    let (mut length, mut places) = (0, Vec::new());
     let mut out = Assembly::new();
     let (mut at, mut nothing, mut taken, mut inputs, mut made_up) = (0, Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for mark in &code.marks {
         let Some(open) = open.get(mark.number) else { continue };
         let hole = code.hole(text.text(), mark, open);
         out.copy(text, Span::new(at, mark.span.start));
+        length += mark.span.start - at;
         let place = || open.file.locate(open.span.start);
         let stand = if mark.in_comment { Stand::Silent } else { hole.stand(&mut numbers) };
+        let mut behind = 0;
         let written = match stand {
             Stand::Silent => " ".to_owned(),
             Stand::Nothing => {
+                if hole.bracket.is_some() {
+                    places.push(length);
+                }
                 nothing.push(format!("`${{{}}}` at {}", open.written, place()));
                 " ".to_owned()
             }
             Stand::Taken(written, what) => {
+                // Which number a resource has changes nothing.
+                if !hole.is_place() {
+                    places.push(length);
+                }
                 taken.push(format!("`${{{}}}` at {} is taken for {written}, {what}", open.written, place()));
                 written
             }
             Stand::Input(name) => {
                 inputs.push(format!("`${{{}}}` at {} as `{name}`", open.written, place()));
                 made_up.push(name.clone());
+                behind = hole.swallowed();
                 name
             }
         };
         out.replace(&written, text, mark.span);
-        at = mark.span.end + hole.swallowed();
+        length += written.len();
+        at = mark.span.end + behind;
     }
     out.copy(text, Span::new(at, text.text().len()));
     let file = out.finish(text.name());
@@ -93,7 +108,8 @@ pub(super) fn closed(text: &SourceFile, open: &[Open]) -> Closed {
     notes.extend(listed("nothing stands for what is filled in and is not known", nothing));
     notes.extend(taken);
     notes.extend(listed("what is filled in and is not known is taken for inputs of any value", inputs));
-    Closed { file, notes, made_up, open }
+    let resting = resting(file.text(), &places);
+    Closed { file, notes, made_up, open, resting }
 }
 
 fn listed(what: &str, mut all: Vec<String>) -> Option<String> {
@@ -190,6 +206,12 @@ impl Code {
 }
 
 impl Hole<'_> {
+    /// True for the number of a binding, a group or a location.
+    fn is_place(&self) -> bool {
+        let head = self.bracket.map_or("", |at| self.before[..at].trim_end());
+        ["@binding", "@group", "@location"].iter().any(|attribute| head.ends_with(attribute))
+    }
+
     fn stand(&self, numbers: &mut Numbers) -> Stand {
         let before = self.before.trim_end();
         let next = self.behind.trim_start().chars().next().unwrap_or(' ');

@@ -11,6 +11,7 @@
 
 mod files;
 mod holes;
+mod rests;
 mod syntax;
 #[cfg(test)]
 mod tests;
@@ -54,6 +55,8 @@ pub struct Filled {
     pub open: Option<String>,
     /// True for a text without a function of a stage: a part of others.
     pub part: bool,
+    /// Functions whose findings rest on what is taken.
+    pub resting: Vec<String>,
 }
 
 /// The modules that templates of a file make, and the parts of modules that none of them has. `known` are the places of
@@ -153,8 +156,15 @@ fn candidate(code: &Code<'_>, files: &Files, at: usize, (place, inner, form): (S
     let defines = parsed.shader.functions().any(|(_, own)| own.definition.is_some());
     // What is wrong in a text with holes may follow from what was taken for them.
     let runs = if whole { !broken || unknown.is_none() } else { !broken && defines };
-    let filled =
-        Filled { text: closed.file, place, notes: assumed, made_up: closed.made_up, open: unknown, part: !whole };
+    let filled = Filled {
+        text: closed.file,
+        place,
+        notes: assumed,
+        made_up: closed.made_up,
+        open: unknown,
+        part: !whole,
+        resting: closed.resting,
+    };
     runs.then_some(Candidate { filled, called, used, inner, whole })
 }
 

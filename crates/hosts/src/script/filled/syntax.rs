@@ -291,9 +291,12 @@ impl<'a, 't> Reader<'a, 't> {
 
     /// Passes over a type.
     fn skip_type(&mut self) {
-        let mut depth = 0_usize;
+        let (mut depth, start) = (0_usize, self.at);
         for _ in 0..LONGEST_TYPE {
+            let goes_on = self.at == start || self.mark(self.at - 1).is_some_and(|c| "|&<,:>=".contains(c));
             match self.tokens.get(self.at) {
+                // The body behind what a function gives.
+                Some(Token::Mark('{')) if depth == 0 && !goes_on => return,
                 None | Some(Token::Mark(',' | ';' | ')' | ']' | '}' | '=' | '?')) if depth == 0 => return,
                 Some(Token::Word("as" | "satisfies")) if depth == 0 => return,
                 Some(Token::Mark('(' | '[' | '{')) => {
