@@ -17,12 +17,12 @@ use super::lint::{diff, write};
 use super::outcomes::{Outcome, Outcomes};
 use super::shard::{Printed, Printing, ShardArgs, Terminal};
 use super::status::ExitStatus;
-use super::translate;
 use base::text::{EditList, Shown as _, SourceFile};
 use engine::fuzz::{Domain, Subject};
 use engine::improve::{self, Request};
 use engine::session::{At, Job, Seen};
 use engine::shard::Identity;
+use hosts::Language;
 use judge::profile::Profile;
 use lanes::{Lane, StandIn, Wanted, interrupt};
 use lint::fix::FixedFile;
@@ -130,9 +130,17 @@ fn identity(
 
 /// A file, and the line that alone is meant.
 fn text(args: &ImproveArgs, path: &Path) -> anyhow::Result<(IncludedText, Option<usize>)> {
-    let (path, line) = at_line(path);
+    let (file, line) = at_line(path);
     let compose = ComposeArgs::default();
-    let mut source = includes::read(&path, &args.input.reading(Some(&compose), None))?;
+    let given = args.input.reading(Some(&compose), None);
+    let is_host = matches!(hosts::language_of(&file.to_string_lossy()), Some(Language::Host | Language::Script));
+    // The line tells one of several shaders as well.
+    let mut source = if is_host && args.input.stage().is_none() {
+        includes::read_one(path, &given)?
+    } else {
+        includes::read(&file, &given)?
+    };
+    let path = file;
     source.stage = args.input.stage().unwrap_or(source.stage);
     anyhow::ensure!(
         matches!(Written::of(&source.file), Written::Glsl | Written::Wgsl),
@@ -252,7 +260,7 @@ struct Run<'a> {
 impl Run<'_> {
     /// The report; none where there is no syntax tree.
     fn file(&self, subjects: &[(Subject, Domain)]) -> anyhow::Result<Option<FileReport>> {
-        let own = translate::read(&self.source.path)?;
+        let own = self.source.author()?;
         let module = if Written::of(&self.source.file) == Written::Wgsl { self.source.module().ok() } else { None };
         let parsed = module.is_none().then(|| self.source.parsed(&self.args.input.define).shader);
         let tree = module.as_ref().and_then(|module| module.tree()).or(parsed.as_ref());

@@ -3,6 +3,8 @@
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
+use anyhow::Context as _;
+
 use super::compose::Given;
 use super::hosts::Hosts;
 use base::diagnostic::{Diagnostic, Severity};
@@ -11,6 +13,7 @@ use compose::LeftOut;
 use engine::completion::{self, Completed, macro_name};
 use engine::fuzz::FunctionReport;
 use engine::suite::{Includes, Joined, read_module};
+use hosts::Language;
 use program::{ModuleText, ProgramError, Written};
 use syntax::{Parsed, Shader, Stage};
 
@@ -55,6 +58,22 @@ pub struct IncludedText {
 /// When the file, or one that it includes and that is there, cannot be read.
 pub fn read(path: &Path, given: &Given<'_>) -> anyhow::Result<IncludedText> {
     with_includes(&crate::cli::translate::read(path)?, path, given)
+}
+
+/// The one shader that a path means, as [`read_all`] finds it: host code and a line of a document hold shaders, and every other
+/// file is one.
+///
+/// # Errors
+/// As [`read_all`], and when there are several.
+pub fn read_one(path: &Path, given: &Given<'_>) -> anyhow::Result<IncludedText> {
+    let is_host = matches!(hosts::language_of(&path.to_string_lossy()), Some(Language::Host | Language::Script));
+    if given.stage.is_some() || (path.is_file() && !is_host) {
+        return read(path, given);
+    }
+    let mut all = read_all(path, given, None)?;
+    let lines: Vec<&str> = all.iter().map(|text| text.given.as_str()).collect();
+    anyhow::ensure!(lines.len() == 1, "`{}` holds several shaders; name one: {}", path.shown(), lines.join(", "));
+    all.pop().with_context(|| format!("`{}` holds no whole shader", path.shown()))
 }
 
 /// A text with what it includes, as [`read`].

@@ -22,7 +22,7 @@ use syntax::{Shader, Stage};
 #[derive(Args, Clone, Debug)]
 pub struct TranslateArgs {
     /// Shader file; the extension gives the stage (.vert, .frag, .geom, .comp). A .glsl file gives it by its text and
-    /// name, or else is a function library
+    /// name, or else is a function library. Host code with one shader, or the line of one in it (`pass.ts:12`)
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// Language: spirv, wgsl, glsl330 (or glsl), glsl450, glsl-es310, msl, hlsl
@@ -62,7 +62,7 @@ pub fn run(args: &TranslateArgs, out: &mut dyn Write, err: &mut dyn Write) -> an
     let (folders, defines, entry) = (&args.include[..], &args.define[..], args.entry.as_deref());
     let stage = args.stage.map(Stage::from);
     let stated = Given { folders, defines, compose: Some(&args.compose), entry, stage };
-    let source = super::includes::read(&args.file, &stated)?;
+    let source = super::includes::read_one(&args.file, &stated)?;
     for note in source.notes() {
         writeln!(err, "note: {note}")?;
     }
@@ -119,7 +119,7 @@ fn report(source: &IncludedText, found: Vec<Diagnostic>, err: &mut dyn Write) ->
 
 /// The program of a text in GLSL; none where diagnostics say what is wrong with it.
 fn of_glsl(args: &TranslateArgs, source: IncludedText, err: &mut dyn Write) -> anyhow::Result<Option<Program>> {
-    if args.stage.is_none() && hosts::stage_of(&source.file).is_none() {
+    if args.stage.is_none() && !source.printed && hosts::stage_of(&source.file).is_none() {
         anyhow::bail!(
             "{}: the extension does not tell the stage; name it with --stage, or use .vert, .frag, .geom, .comp, or .glsl \
              for a function library",

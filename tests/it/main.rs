@@ -64,6 +64,7 @@ mod soundness;
 mod sources;
 mod support;
 mod targets;
+mod templates;
 mod terminal;
 mod tidy;
 mod torture;

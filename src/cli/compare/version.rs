@@ -7,6 +7,7 @@ use std::process::Command;
 use anyhow::Context as _;
 
 use crate::cli::compose::Given;
+use crate::cli::document;
 use crate::cli::includes::{self, IncludedText};
 use crate::cli::translate;
 use syntax::Stage;
@@ -20,7 +21,7 @@ pub(super) fn text(argument: &str, given: &Given<'_>, stage: Option<Stage>) -> a
     let path = Path::new(argument);
     let versioned = argument.split_once(':').filter(|(revision, path)| !revision.is_empty() && !path.is_empty());
     let mut text = match versioned {
-        Some((revision, file)) if !path.exists() => {
+        Some((revision, file)) if !document::file_of(path).exists() => {
             let bytes = of_revision(revision, file)?;
             let of_file = translate::decoded(file, &bytes).with_context(|| format!("of `{argument}`"))?;
             let mut text = includes::with_includes(&of_file, Path::new(file), given)?;
@@ -28,7 +29,7 @@ pub(super) fn text(argument: &str, given: &Given<'_>, stage: Option<Stage>) -> a
             (text.name, text.given) = (argument.to_owned(), argument.to_owned());
             text
         }
-        _ => includes::read(path, given)?,
+        _ => includes::read_one(path, given)?,
     };
     text.stage = stage.unwrap_or(text.stage);
     Ok(text)

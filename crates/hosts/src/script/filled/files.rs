@@ -136,6 +136,10 @@ impl Files {
                     return value_behind(&mut reader(at + 2), &tokens)
                         .filter(|_| *token == Token::Word("const") || !is_changed(&tokens, name));
                 }
+                // `const a = 1, name = 2;`
+                Token::Mark(',') if depth == 0 && is_word(&tokens, at + 1, name) && is_set(&tokens, at + 2) => {
+                    return value_behind(&mut reader(at + 2), &tokens).filter(|_| !is_changed(&tokens[at + 2..], name));
+                }
                 Token::Word("function") if depth == 0 && is_word(&tokens, at + 1, name) => {
                     return Some(reader(at).function(at + 2));
                 }
@@ -218,6 +222,11 @@ impl Files {
 
 fn is_word(tokens: &[Token<'_>], at: usize, word: &str) -> bool {
     matches!(tokens.get(at), Some(Token::Word(own)) if *own == word)
+}
+
+/// True where a name gets a value.
+fn is_set(tokens: &[Token<'_>], at: usize) -> bool {
+    matches!(tokens.get(at), Some(Token::Mark('=' | ':')))
 }
 
 fn written(tokens: &[Token<'_>], at: usize) -> Option<String> {

@@ -289,12 +289,15 @@ fn constants<'a, 't>(
 ) {
     let scope = Scope { file: 0, frame: Some(frame.clone()) };
     for at in (open + 1..end).filter(|at| code.bracket(*at) == Some(open)) {
-        let Some(kind @ ("const" | "let" | "var")) = code.word(at) else { continue };
+        let further = code.is_mark(at, ',') && code.is_mark(at + 2, '=');
+        let kind = if further { Some("let") } else { code.word(at) };
+        let Some(kind @ ("const" | "let" | "var")) = kind else { continue };
         let Some(name) = code.word(at + 1) else {
             pattern(code, values, reader, at + 1, &scope);
             continue;
         };
-        let steady = kind == "const" || !is_changed(&code.tokens, name);
+        let behind = if further { &code.tokens[at + 2..] } else { &code.tokens[..] };
+        let steady = kind == "const" || !is_changed(behind, name);
         let node = value_behind(&mut reader(at + 2), &code.tokens).filter(|_| steady);
         let value = node.and_then(|node| values.value(&node, &scope, 0));
         frame.add(name, value);

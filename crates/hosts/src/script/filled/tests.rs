@@ -35,6 +35,7 @@ fn values_of_the_file_are_filled_in() {
         ("class A { static N: number = 4; static f(n: number): string { return `${n}u`; } }", "${A.f(A.N)}", "4u"),
         ("enum Mode { Plain, Lit = 4, Both }", "${Mode.Both}", "5"),
         ("const N = 3;\nconst s = N === 3 ? 'yes' : 'no';", "${s}", "yes"),
+        ("const a = f(1, 2), N = 3;", "${N}", "3"),
         ("const a = ['x', 'y'];", "${a.join(' + ')}", "x + y"),
         ("const P = Math.max(2, 3) / Math.PI * Math.PI;", "${P.toFixed(1)}", "3.0"),
         ("const f = (x) => { if (x > 1) { return 'big'; } return 'small'; };", "${f(2)} ${f(1)}", "big small"),
