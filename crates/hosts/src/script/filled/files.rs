@@ -318,7 +318,10 @@ fn members<'a, 't>(
         };
         match tokens.get(at + 1) {
             Some(Token::Mark('(')) => {
-                found.push((name, reader(at).function(at + 1)));
+                let function = reader(at).function(at + 1);
+                let getter = is_word(tokens, at - 1, "get");
+                let value = if getter { Rc::new(Node::Call(function, Vec::new())) } else { function };
+                found.push((name, value));
                 at = reader(at + 1).behind(at + 1);
             }
             Some(Token::Mark('=' | ':')) => {

@@ -54,7 +54,7 @@ enum Stand {
 pub(super) fn closed(text: &SourceFile, open: &[Open]) -> Closed {
     let code = Code::read(text.text());
     let mut numbers = Numbers::new(text.text());
-    let (mut length, mut places) = (0, Vec::new());
+    let (mut length, mut places, mut told) = (0, Vec::new(), Vec::new());
     let mut out = Assembly::new();
     let (mut at, mut nothing, mut taken, mut inputs, mut made_up) = (0, Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for mark in &code.marks {
@@ -79,7 +79,12 @@ pub(super) fn closed(text: &SourceFile, open: &[Open]) -> Closed {
                 if !hole.is_place() {
                     places.push(length);
                 }
-                taken.push(format!("`${{{}}}` at {} is taken for {written}, {what}", open.written, place()));
+                // One that stands in several places is told once.
+                let same = |(expression, value): &(String, String)| *expression == open.written && *value == written;
+                if !told.iter().any(same) {
+                    told.push((open.written.clone(), written.clone()));
+                    taken.push(format!("`${{{}}}` at {} is taken for {written}, {what}", open.written, place()));
+                }
                 written
             }
             Stand::Input(name) => {
@@ -231,6 +236,10 @@ impl Hole<'_> {
         if let (true, Some((_, arguments))) = (within("@workgroup_size"), list) {
             let all = self.behind.split(')').next().unwrap_or("");
             return Stand::Taken(size(arguments, all).to_string(), "a size of a workgroup");
+        }
+        // `#if ${SHADOWS}`
+        if self.before.rsplit('\n').next().is_some_and(|line| line.trim_start().starts_with('#')) {
+            return Stand::Taken("0".to_owned(), "a condition that is not so");
         }
         if glued {
             return Stand::Input(self.name(numbers));

@@ -420,6 +420,12 @@ impl<'a, 't> Reader<'a, 't> {
                     let value = self.expression();
                     found.push((key, value));
                 }
+                // `get name() { return …; }`
+                (Some(get), None) if get == "get" && self.mark(self.at + 2) == Some('(') => {
+                    let name = self.word(self.at + 1).unwrap_or_default().to_owned();
+                    let function = self.function(self.at + 2);
+                    found.push((name, Rc::new(Node::Call(function, Vec::new()))));
+                }
                 (Some(key), Some('(')) => {
                     let function = self.function(self.at + 1);
                     found.push((key, function));

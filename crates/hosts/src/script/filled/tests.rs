@@ -35,6 +35,8 @@ fn values_of_the_file_are_filled_in() {
         ("class A { static N: number = 4; static f(n: number): string { return `${n}u`; } }", "${A.f(A.N)}", "4u"),
         ("enum Mode { Plain, Lit = 4, Both }", "${Mode.Both}", "5"),
         ("const N = 3;\nconst s = N === 3 ? 'yes' : 'no';", "${s}", "yes"),
+        ("const A = Object.freeze({ get B() { return `${A.C}u`; }, get C(): number { return 7; } });", "${A.B}", "7u"),
+        ("class A { static get B(): number { return 8; } }", "${A.B}", "8"),
         ("const a = f(1, 2), N = 3;", "${N}", "3"),
         ("const a = ['x', 'y'];", "${a.join(' + ')}", "x + y"),
         ("const P = Math.max(2, 3) / Math.PI * Math.PI;", "${P.toFixed(1)}", "3.0"),
@@ -103,7 +105,17 @@ fn what_is_not_known_has_what_its_place_asks_for() {
     ] {
         assert!(found.notes.iter().any(|note| note.starts_with(told)), "{told}: {:?}", found.notes);
     }
+    assert_eq!(found.notes.iter().filter(|note| note.starts_with("`${g.scene}`")).count(), 1, "{:?}", found.notes);
     assert_eq!(found.resting, ["main"]);
+}
+
+#[test]
+fn a_condition_of_a_directive_is_not_so() {
+    let text = "export const code = (shadows) => `\n#if ${shadows}\nconst a = 1;\n#else\nconst a = 2;\n#endif\n\
+                @compute @workgroup_size(1) fn main() {}\n`;\n";
+    let found = read_with(text, &[]);
+    assert!(found[0].text.text().contains("\n#if 0\n"), "{}", found[0].text.text());
+    assert!(found[0].notes[0].contains("`${shadows}` at src/a.ts:2:5 is taken for 0"), "{:?}", found[0].notes);
 }
 
 #[test]
