@@ -74,7 +74,7 @@ fn an_option_that_breaks_a_pack_is_told_once_and_where_the_fault_stands() {
 
 #[test]
 fn what_a_host_defines_is_stated_on_the_command_line_or_in_the_configuration() {
-    let text = "#version 330 core\nout vec4 c;\nvoid main() {\n#if MODE == 1\n  c = vec4(1.0);\n#elif MODE == 2\n  c = vec3(1.0);\n#else\n  c = vec4(WIDTH);\n#endif\n}\n";
+    let text = "#version 330 core\nout vec4 c;\nvoid main() {\n#if MODE == 1\n  c = vec4(1.0);\n#elif MODE == 2\n  c = fog;\n#else\n  c = vec4(WIDTH);\n#endif\n}\n";
     let shader = folder(&[("a.frag", text)]);
     let told = |args: &str| lint(shader.path(), &format!("a.frag {args}")).out;
     // The name is the host's.
@@ -91,4 +91,19 @@ fn what_a_host_defines_is_stated_on_the_command_line_or_in_the_configuration() {
     std::fs::write(shader.path().join("shadercheck.toml"), wrong).unwrap();
     let ran = lint(shader.path(), "a.frag").expect(2);
     assert!(ran.err.contains("shadercheck.toml:3:1") && ran.err.contains("values"), "{}", ran.err);
+}
+
+#[test]
+fn stages_in_one_file_are_linted_each_with_what_stands_in_front() {
+    let text = "#version 450\n//#define INT_OPS\n#include \"half.inc\"\n#pragma stage vertex\nlayout(location = 0) in vec4 p;\n\
+                void main() { gl_Position = p * HALF; }\n#pragma stage fragment\nlayout(location = 0) out vec4 c;\n\
+                void main() {\n  c = vec4(HALF);\n#ifdef INT_OPS\n  int r = (int)c.r;\n#endif\n}\n";
+    let files =
+        [("a.slang", text), ("half.inc", "#define HALF 0.5\n"), ("b.slang", "[shader(\"compute\")]\nvoid main() {}\n")];
+    let folder = folder(&files);
+    let ran = lint(folder.path(), ".").expect(1);
+    let found = lines(&ran);
+    assert!(found.len() == 1 && found[0].starts_with("a.slang:12:"), "{found:?}");
+    assert!(found[0].contains("where `INT_OPS` is defined: "), "{found:?}");
+    assert!(ran.err.contains("b.slang: there are no rules for HLSL and Slang"), "{}", ran.err);
 }

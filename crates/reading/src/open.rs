@@ -50,8 +50,12 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
     // What follows in the grammar may follow from that.
     let is_first = |(error, doubtful): &(&Diagnostic, &bool)| **doubtful && error.code == errors::SYNTAX;
     let first = found.iter().zip(&doubtful).filter(is_first).map(|(error, _)| error.span.start).min();
-    for (error, doubtful) in found.iter().zip(&mut doubtful).filter(|(d, _)| d.code == errors::SYNTAX) {
-        *doubtful |= first.is_some_and(|first| error.span.start >= first);
+    let last = found.iter().filter(|error| error.code == errors::SYNTAX).map(|error| error.span.start).max();
+    for (error, doubtful) in found.iter().zip(&mut doubtful) {
+        let start = error.span.start;
+        // Between two ends of the grammar nothing is read as it is meant.
+        let reach = error.code == errors::SYNTAX || last.is_some_and(|last| start < last);
+        *doubtful |= reach && first.is_some_and(|first| start >= first);
     }
     doubtful
 }
@@ -146,6 +150,10 @@ impl<'a> Surroundings<'a> {
         if is_bindless(file, error) {
             rests |= Around::ENABLED;
         }
+        // A block may include its members.
+        if error.code == errors::UNKNOWN_FIELD && self.open.contains(Around::MACROS) {
+            rests |= Around::NAMES;
+        }
         if error.code == errors::CONSTRUCTOR && file.expansion(error.span).is_some() {
             rests |= Around::GRAMMAR;
         }
@@ -154,7 +162,9 @@ impl<'a> Surroundings<'a> {
 
     /// True for an error at a macro that nothing in the text defines.
     fn is_at_macro(&self, error: &Diagnostic) -> bool {
-        let beside = self.open.contains(Around::MACROS) && error.code == errors::SYNTAX && at_macro(self.shader, error);
+        let beside = self.open.contains(Around::MACROS)
+            && error.code == errors::SYNTAX
+            && (at_macro(self.shader, error) || behind_word(self.shader, error));
         beside
             || is_at_unknown_macro(self.shader, self.conditions, error)
             || is_of_unknown_value(self.shader, &self.asked, error)
@@ -222,6 +232,15 @@ fn at_macro(shader: &Shader, error: &Diagnostic) -> bool {
     let before = &tokens[..tokens.partition_point(|t| t.span.end <= error.span.start)];
     let last = before.iter().rev().find(|t| t.place == TokenPlace::Text);
     is_macro(file.slice(error.span)) || last.is_some_and(|token| is_macro(file.slice(token.span)))
+}
+
+/// True for an error at the second of two words in a line, of which an include may define the first: `inline float f()`.
+fn behind_word(shader: &Shader, error: &Diagnostic) -> bool {
+    let (file, tokens) = (shader.file(), shader.tokens());
+    let at = tokens.partition_point(|t| t.span.start < error.span.start);
+    let [before, own] = tokens.get(at.saturating_sub(1)..=at).unwrap_or(&[]) else { return false };
+    let line = |token: &Token| file.position(token.span.start).line;
+    [before, own].iter().all(|token| token.kind == TokenKind::Word) && line(before) == line(own)
 }
 
 /// True for an error at a word in capitals that no text in sight defines: a qualifier or a type, as an engine calls it.

@@ -279,12 +279,15 @@ fn take(wanted: Vec<(PathBuf, bool)>, loaded: &mut Loaded) {
                 loaded.skipped.push(InputError::Bundle(path));
             }
             Ok(Decoded { file, form, exact }) => {
+                let shares_its_ending = lacks_rules(&path);
                 loaded.sources.insert(file.name().to_owned(), Candidate { path, form, exact });
                 let stage = stage.filter(|_| is_shader(&file));
                 let input = Input::new(file);
                 let input = if named { input.named() } else { input };
                 let input = match language {
                     Some(Language::Wgsl | Language::Shader(_)) => input.composed_by(composer.clone()),
+                    // Stages in one file include others as a shader does; a listing in prose tells of files that need not be here.
+                    None if shares_its_ending => input.composed_by(composer.clone()),
                     Some(Language::Host | Language::Script) | None => input,
                 };
                 loaded.inputs.push(match stage {

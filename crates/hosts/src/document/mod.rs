@@ -1,5 +1,5 @@
-//! Documents: prose with shaders and host code in blocks. Each listing keeps the way back to the document, so
-//! that places and repairs are the document's own.
+//! Documents: prose with shaders and host code in blocks, and other files with several shaders. Each listing keeps the way
+//! back to the document, so that places and repairs are the document's own.
 //!
 //! A shader or a host listing may be made of several blocks. What a block lacks to be a whole shader is not reported.
 
@@ -9,6 +9,7 @@ mod html;
 mod join;
 mod kind;
 mod markdown;
+mod staged;
 mod tex;
 
 use base::text::{SourceFile, Span};
@@ -82,6 +83,9 @@ impl Format {
 impl Document {
     /// Reads a document; none when it holds neither a shader nor host code.
     pub fn read(file: &SourceFile) -> Option<Self> {
+        if let Some(document) = staged::read(file) {
+            return Some(document);
+        }
         let format = Format::of(file.name());
         let text = file.text();
         if !format.marks().iter().any(|m| text.contains(m)) || !(text.contains("glsl") || concerns_shaders(text)) {

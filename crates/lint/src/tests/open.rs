@@ -449,3 +449,18 @@ fn assembly_is_no_glsl() {
     assert!(found(&[("a.fs", program)]).0.is_empty());
     by_default(&[("a.fs", &program[2..])], "E001");
 }
+
+#[test]
+fn what_an_include_may_define_or_hold_is_told_on_request() {
+    let text = |body: &str| format!("#version 450\n#include \"missing.h\"\n{body}\nlayout(location = 0) out vec4 c;\n");
+    let of = |body: &str, main: &str| text(body) + "void main() {\n" + main + "\n}\n";
+    let inline = of("inline float half_of(const float x,\n    const float y)\n{ return x * y; }", "c = vec4(1.0);");
+    only_on_request(&[("a.frag", &inline)], "E001");
+    only_on_request(&[("a.frag", &inline)], "E044");
+    let block = of("uniform U {\n#include \"members.h\"\n vec4 own;\n} u;", "c = u.own * u.other;");
+    only_on_request(&[("a.frag", &block)], "E034");
+    // Without an include, nothing is left open.
+    let whole = |text: &str| text.lines().filter(|line| !line.starts_with("#include")).collect::<Vec<_>>().join("\n");
+    by_default(&[("a.frag", &whole(&inline))], "E001");
+    by_default(&[("a.frag", &whole(&block))], "E034");
+}

@@ -58,7 +58,7 @@ pub fn errors<'a>(
 struct Run<'a> {
     /// What the project says of its options.
     config: &'a Config,
-    /// What is compiled of readings in which nothing new is wrong.
+    /// What is compiled of readings in which nothing is wrong.
     in_order: Seen,
     /// Pairs of values that have stood together where a condition asks for both.
     together: HashSet<Vec<Setting>>,
@@ -70,8 +70,7 @@ struct Run<'a> {
 impl Run<'_> {
     fn file(&mut self, file: &ShaderFile) {
         let shader = &file.shader;
-        let mut errors = file.front_end.iter().filter(|d| d.severity == Severity::Error);
-        let whole = shader.function("main").is_some() && !file.partial && errors.all(open::is_value_of_host);
+        let whole = shader.function("main").is_some() && !file.partial && file.front_end.iter().all(is_open);
         if !file.conditional || !whole || file.is_wgsl() || shader.file().text().len() > LONGEST {
             return;
         }
@@ -96,7 +95,7 @@ impl Run<'_> {
 
     /// True for an error that is new to the project, and that no macro of the host takes away.
     fn is_new(&self, error: &Diagnostic) -> bool {
-        error.severity == Severity::Error && !open::is_value_of_host(error) && !self.told.contains(&key(error))
+        !is_open(error) && !self.told.contains(&key(error))
     }
 }
 
@@ -129,7 +128,10 @@ impl Search<'_, '_> {
         if parsed.diagnostics.iter().any(|d| is_refusal(d) || self.run.is_new(d)) {
             return Some(parsed);
         }
-        self.run.in_order.add(compiled);
+        // What is told already may stand at another place in a text that compiles to the same.
+        if parsed.diagnostics.iter().all(is_open) {
+            self.run.in_order.add(compiled);
+        }
         None
     }
 
@@ -211,7 +213,7 @@ impl Search<'_, '_> {
             let read = self.readings.read(&all, &Seen::default());
             let compiled = |p: &Parsed| conditions::place_of(&p.shader, error.span) == Some(TokenPlace::Text);
             let same = |d: &Diagnostic| open::stands_in(found, d) && !open::stands_in(std::slice::from_ref(error), d);
-            let open = |d: &Diagnostic| d.severity < Severity::Error || open::is_value_of_host(d) || same(d);
+            let open = |d: &Diagnostic| is_open(d) || same(d);
             read.is_some_and(|(_, parsed)| compiled(&parsed) && parsed.diagnostics.iter().all(open))
         };
         let taken = settings.iter().any(|setting| setting.value.is_none());
@@ -243,6 +245,11 @@ impl Search<'_, '_> {
         }
         told.with_why(message!("`{root}` includes this", "`{root}` がこれを取り込みます"))
     }
+}
+
+/// True for what is no error, and for what a host decides.
+fn is_open(found: &Diagnostic) -> bool {
+    found.severity < Severity::Error || open::is_value_of_host(found)
 }
 
 /// True for an error by which a text refuses settings, or says that nothing of it is compiled with them.

@@ -164,3 +164,18 @@ fn the_stage_and_what_a_host_asks_before_it_compiles_are_no_options() {
     let config = Config { asked_before: asked.into_iter().collect(), ..Config::default() };
     assert!(errors(project.shaders(), &config, &AtomicBool::new(false)).is_empty());
 }
+
+#[test]
+fn the_same_code_at_another_place_is_told_with_its_own_smallest_set() {
+    let text = |branch: &str| {
+        format!(
+            "{HEAD}//#define OTHER\n//#define SKY\n#define {branch} 1\nvoid main() {{\n#ifdef SKY\n#ifdef FIRST\nc = sky;\n#else\nc = sky;\n#endif\n#endif\n#ifdef OTHER\nc += t;\n#endif\n}}\n"
+        )
+    };
+    let input = |name: &str, branch| Input::new(SourceFile::new(name, text(branch)));
+    let config = Config::default();
+    let project = Project::new(&[input("a.frag", "FIRST"), input("b.frag", "LATER")], &config);
+    let found = errors(project.shaders(), &config, &AtomicBool::new(false));
+    let told: Vec<&str> = found.iter().map(|(_, d)| &*d.message).collect();
+    assert_eq!(told, ["where `SKY` is defined: `sky` is not declared"; 2]);
+}

@@ -294,7 +294,7 @@ impl ShaderFile {
             place: Some(listing.place),
             called: listing.called,
             partial: listing.partial,
-            ..Self::new(&text, listing.stage)
+            ..Self::with_includes(&text, listing.stage).unwrap_or_else(|| Self::new(&text, listing.stage))
         }
     }
 
