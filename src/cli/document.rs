@@ -2,12 +2,12 @@
 //! that line.
 
 use std::collections::HashMap;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 
 use base::text::{Shown, SourceFile};
-use disk::Budget;
+use disk::{Budget, plain_path};
 use hosts::document::{Printed, runnable_shaders};
 use hosts::{Language, language_of};
 
@@ -59,7 +59,7 @@ pub fn runnable(file: &SourceFile, path: &Path) -> Vec<Printed> {
 /// compiler of TypeScript has still to write it.
 fn imported(path: &Path) -> Option<PathBuf> {
     const ENDINGS: [&str; 4] = ["ts", "js", "tsx", "mjs"];
-    let path = plain(path);
+    let path = plain_path(path);
     let with = |ending: &str| {
         let mut name = path.clone().into_os_string();
         name.push(format!(".{ending}"));
@@ -72,21 +72,6 @@ fn imported(path: &Path) -> Option<PathBuf> {
         all.push(path.with_extension("ts"));
     }
     all.into_iter().find(|path| path.is_file())
-}
-
-/// A path without steps that lead back.
-fn plain(path: &Path) -> PathBuf {
-    let mut out = PathBuf::new();
-    for part in path.components() {
-        match part {
-            Component::CurDir => {}
-            Component::ParentDir if matches!(out.components().next_back(), Some(Component::Normal(_))) => {
-                out.pop();
-            }
-            _ => out.push(part),
-        }
-    }
-    out
 }
 
 /// The one shader that a path means, for commands that take one.

@@ -28,8 +28,13 @@ pub fn refusal(path: &Path, folders: &[&Path]) -> Option<&'static str> {
     (!is_shader(&target) && !folders.iter().any(lies_inside)).then_some(WHY)
 }
 
-/// A path without `.` and without `..` behind a folder, so that a file has one name.
+/// The name of a file: its path without `.` and without `..` behind a folder, so that it has one.
 pub fn plain(path: &Path) -> String {
+    plain_path(path).display().to_string()
+}
+
+/// The same as a path.
+pub fn plain_path(path: &Path) -> PathBuf {
     use std::path::Component;
     let mut parts = PathBuf::new();
     for part in path.components() {
@@ -41,7 +46,7 @@ pub fn plain(path: &Path) -> String {
             _ => parts.push(part),
         }
     }
-    parts.display().to_string()
+    parts
 }
 
 fn is_shader(path: &Path) -> bool {

@@ -10,7 +10,7 @@ mod problem;
 mod source;
 pub mod table;
 
-pub use elsewhere::plain;
+pub use elsewhere::{plain, plain_path};
 pub use hosts::{Budget, hosts_around};
 pub use includes::included;
 pub use modules::{ComposeError, Modules, ancestors};

@@ -107,8 +107,7 @@ fn run_rules_until(
     let in_variants = |shader: &ShaderFile| {
         let found = if shader.conditional { variants::errors(&shader.shader) } else { Vec::new() };
         let level = |certain| if certain { Level::Default } else { Level::Strict };
-        let of_names = found.into_iter().map(|(certain, d)| (level(certain), d));
-        of_names.collect::<Vec<_>>()
+        found.into_iter().map(|(certain, d)| (level(certain), d)).collect::<Vec<_>>()
     };
     let reported: Vec<&ShaderFile> = project.shaders().filter(|s| s.reported).collect();
     all.par_extend(reported.par_iter().flat_map_iter(|shader| in_variants(shader)));

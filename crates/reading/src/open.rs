@@ -6,7 +6,7 @@
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 
-use base::diagnostic::{Code, Diagnostic};
+use base::diagnostic::{Code, Diagnostic, Severity};
 use base::text::SourceFile;
 use syntax::ast::ItemKind;
 use syntax::errors::Around;
@@ -413,11 +413,12 @@ pub fn is_about_a_name(error: &Diagnostic) -> bool {
     errors::is_name(error.code) || (error.code == errors::SYNTAX && is_macro(error.file.slice(error.span)))
 }
 
-/// True for an error at a value that hosts define: a name in capitals, and a macro that has two values.
-pub fn is_value_of_host(error: &Diagnostic) -> bool {
-    let defined = || error.file.line_at(error.span.start).trim_start().starts_with('#');
-    is_macro(error.file.slice(error.span))
-        && (error.code == errors::UNKNOWN_NAME || (error.code == errors::MACRO && defined()))
+/// True for what leaves a text in order: what is no error, and one at a value that hosts define, which is a name in capitals, or a
+/// macro that has two values.
+pub fn leaves_in_order(found: &Diagnostic) -> bool {
+    let defined = || found.file.line_at(found.span.start).trim_start().starts_with('#');
+    let of_host = || found.code == errors::UNKNOWN_NAME || (found.code == errors::MACRO && defined());
+    found.severity < Severity::Error || (is_macro(found.file.slice(found.span)) && of_host())
 }
 
 /// Names that hosts supply, as texts show that lack the same ones.

@@ -104,7 +104,9 @@ impl Groups {
         settings.config = file.config;
         settings.config.prelude = crate::cli::prelude(args.prelude.as_deref());
         settings.options = !args.no_variants;
-        settings.config.asked_before = packs::asked_before(&files);
+        if settings.options {
+            settings.config.asked_before = packs::asked_before(&files);
+        }
         Ok(Group { settings, names: files.into_keys().collect(), defines: args.define.clone() })
     }
 

@@ -15,8 +15,8 @@ mod tests;
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use base::diagnostic::{Code, Diagnostic, Lang, Message, Severity, message};
-use base::text::{SourceFile, Span};
+use base::diagnostic::{Code, Diagnostic, Lang, Message, message};
+use base::text::Span;
 use rayon::prelude::*;
 use syntax::errors::{self, Around};
 use syntax::{Parsed, Readings, Seen, Setting, TokenPlace};
@@ -70,7 +70,8 @@ struct Run<'a> {
 impl Run<'_> {
     fn file(&mut self, file: &ShaderFile) {
         let shader = &file.shader;
-        let whole = shader.function("main").is_some() && !file.partial && file.front_end.iter().all(is_open);
+        let whole =
+            shader.function("main").is_some() && !file.partial && file.front_end.iter().all(open::leaves_in_order);
         if !file.conditional || !whole || file.is_wgsl() || shader.file().text().len() > LONGEST {
             return;
         }
@@ -95,7 +96,7 @@ impl Run<'_> {
 
     /// True for an error that is new to the project, and that no macro of the host takes away.
     fn is_new(&self, error: &Diagnostic) -> bool {
-        !is_open(error) && !self.told.contains(&key(error))
+        !open::leaves_in_order(error) && !self.told.contains(&key(error))
     }
 }
 
@@ -129,7 +130,7 @@ impl Search<'_, '_> {
             return Some(parsed);
         }
         // What is told already may stand at another place in a text that compiles to the same.
-        if parsed.diagnostics.iter().all(is_open) {
+        if parsed.diagnostics.iter().all(open::leaves_in_order) {
             self.run.in_order.add(compiled);
         }
         None
@@ -152,12 +153,10 @@ impl Search<'_, '_> {
     }
 
     fn smallest(&mut self, row: &[Setting], error: &Diagnostic) -> Option<Vec<Setting>> {
-        let mut found = smallest::smallest(row, &mut |settings| {
+        smallest::smallest(row, &mut |settings| {
             (self.left > 0).then_some(())?;
             Some(self.read(settings).is_some_and(|parsed| open::stands_in(&parsed.diagnostics, error)))
-        })?;
-        found.sort();
-        Some(found)
+        })
     }
 
     /// Tells all errors of a reading with these settings.
@@ -213,8 +212,8 @@ impl Search<'_, '_> {
             let read = self.readings.read(&all, &Seen::default());
             let compiled = |p: &Parsed| conditions::place_of(&p.shader, error.span) == Some(TokenPlace::Text);
             let same = |d: &Diagnostic| open::stands_in(found, d) && !open::stands_in(std::slice::from_ref(error), d);
-            let open = |d: &Diagnostic| is_open(d) || same(d);
-            read.is_some_and(|(_, parsed)| compiled(&parsed) && parsed.diagnostics.iter().all(open))
+            let stays = |d: &Diagnostic| open::leaves_in_order(d) || same(d);
+            read.is_some_and(|(_, parsed)| compiled(&parsed) && parsed.diagnostics.iter().all(stays))
         };
         let taken = settings.iter().any(|setting| setting.value.is_none());
         let open = self.conditions.undefined(false);
@@ -247,11 +246,6 @@ impl Search<'_, '_> {
     }
 }
 
-/// True for what is no error, and for what a host decides.
-fn is_open(found: &Diagnostic) -> bool {
-    found.severity < Severity::Error || open::is_value_of_host(found)
-}
-
 /// True for an error by which a text refuses settings, or says that nothing of it is compiled with them.
 fn is_refusal(error: &Diagnostic) -> bool {
     [errors::ERROR_DIRECTIVE, errors::MISSING_MAIN].contains(&error.code)
@@ -274,12 +268,11 @@ fn label(setting: &Setting) -> Message {
     }
 }
 
-/// The error in the file that its place comes from: what is included is told there.
+/// The error in the file that its place comes from: what is included is told there. What a macro stands for is told later.
 fn at_home(mut error: Diagnostic) -> Diagnostic {
-    let home = |file: &SourceFile, span| if file.is_assembled() { file.origin(span) } else { (file.clone(), span) };
-    (error.file, error.span) = home(&error.file, error.span);
+    (error.file, error.span) = error.file.origin(error.span);
     for label in &mut error.related {
-        (label.file, label.span) = home(&label.file, label.span);
+        (label.file, label.span) = label.file.origin(label.span);
     }
     error
 }

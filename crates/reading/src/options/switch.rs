@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use base::text::Span;
+use base::text::{SourceFile, Span};
 use syntax::{Setting, Shader};
 
 use crate::Variant;
@@ -47,10 +47,18 @@ struct Line<'t> {
     guards: bool,
     /// Another condition decides whether it counts.
     depends: bool,
-    /// The file that it comes from.
-    file: String,
-    /// That file includes another one further down.
-    includes_behind: bool,
+    /// The file that it comes from, and where it stands there.
+    file: SourceFile,
+    place: usize,
+}
+
+impl Line<'_> {
+    /// True where its file includes another one further down.
+    fn stands_in_front_of_an_include(&self) -> bool {
+        let directive =
+            |line: &str| line.trim_start().strip_prefix('#').map(|rest| rest.trim_start().starts_with("include"));
+        self.file.text()[self.place..].lines().any(|line| directive(line) == Some(true))
+    }
 }
 
 /// The options of a text: macros that conditions ask for, that one line defines, and that none takes back; and those that the
@@ -61,14 +69,15 @@ pub(super) fn of(shader: &Shader, conditions: &Conditions, stated: &[Variant]) -
     lines.iter().for_each(|line| *defined.entry(line.name).or_default() += 1);
     // A file in which authors list their options holds options.
     let of_options: BTreeSet<&str> =
-        lines.iter().filter(|line| line.in_comment || !line.list.is_empty()).map(|line| line.file.as_str()).collect();
-    let compared = compared(shader);
+        lines.iter().filter(|line| line.in_comment || !line.list.is_empty()).map(|line| line.file.name()).collect();
+    let asked = asked(shader);
     let fixed = undefined(shader);
     let once = |line: &&Line<'_>| defined[line.name] == 1 && conditions.asks(line.name) && !fixed.contains(line.name);
     let switch = |line: &Line<'_>| {
-        let asks_itself = || asked_in(shader, line.name).contains(&line.file);
+        let own_file = line.file.name();
+        let asks_itself = || asked.get(line.name).is_some_and(|asked| asked.files.contains(own_file));
         // What stands in front of an include is given to it.
-        let is_option = || asks_itself() || (of_options.contains(line.file.as_str()) && !line.includes_behind);
+        let is_option = || asks_itself() || (of_options.contains(own_file) && !line.stands_in_front_of_an_include());
         let values = stated.iter().find(|variant| variant.name == line.name).map(|variant| &variant.values);
         let own = (!line.in_comment).then_some(line.value);
         let others: Vec<Option<String>> = if let Some(values) = values {
@@ -76,9 +85,8 @@ pub(super) fn of(shader: &Shader, conditions: &Conditions, stated: &[Variant]) -
         } else if line.in_comment {
             vec![Some(line.value.to_owned())]
         } else if !line.list.is_empty() {
-            let asked = compared.get(line.name).cloned().unwrap_or_default();
             let others = line.list.iter().copied().filter(|value| *value != line.value);
-            few(others.collect(), &asked).into_iter().map(|value| Some(value.to_owned())).collect()
+            few(others.collect(), asked.get(line.name)).into_iter().map(|value| Some(value.to_owned())).collect()
         } else if line.value.is_empty() && !line.guards && !line.depends && is_option() {
             vec![None]
         } else {
@@ -149,19 +157,16 @@ fn lines<'t>(shader: &'t Shader) -> Vec<Line<'t>> {
         let (home, place) = file.origin(Span::at(at));
         let is_guard = |asked: Option<&str>| asked.is_some_and(|asked| asked == name || guarded.contains(asked));
         let depends = around.iter().any(|(file, asked)| *file == *home.name() && !is_guard(*asked));
-        let includes =
-            |line: &str| line.trim_start().strip_prefix('#').is_some_and(|d| d.trim_start().starts_with("include"));
-        let includes_behind = home.text()[place.start..].lines().any(includes);
         let list = list(comment);
         // Prose that speaks of a directive is none.
         if in_comment && (value.trim().contains(' ') || !(comment.is_empty() || comment.starts_with("//"))) {
             continue;
         }
-        let (end, value, file) = (at + line.len(), value.trim(), home.name().to_owned());
+        let (end, value, place) = (at + line.len(), value.trim(), place.start);
         if guards {
             guarded.insert(name);
         }
-        found.push(Line { name, at, end, value, list, in_comment, guards, depends, file, includes_behind });
+        found.push(Line { name, at, end, value, list, in_comment, guards, depends, file: home, place });
     }
     found
 }
@@ -175,11 +180,15 @@ fn list(comment: &str) -> Vec<&str> {
 }
 
 /// The values that conditions can tell apart: those next to what they compare with, and the first and the last one.
-fn few<'t>(all: Vec<&'t str>, compared: &BTreeSet<i64>) -> Vec<&'t str> {
+fn few<'t>(all: Vec<&'t str>, asked: Option<&Asked>) -> Vec<&'t str> {
     if all.len() <= MOST_VALUES {
         return all;
     }
-    let near = |value: &str| value.parse::<i64>().is_ok_and(|v| (v - 1..=v + 1).any(|v| compared.contains(&v)));
+    let near = |value: &str| {
+        value
+            .parse::<i64>()
+            .is_ok_and(|v| (v - 1..=v + 1).any(|v| asked.is_some_and(|asked| asked.numbers.contains(&v))))
+    };
     let last = all.len() - 1;
     let of_use = all.iter().enumerate().filter(|(k, value)| *k == 0 || *k == last || near(value));
     of_use.map(|(_, value)| *value).take(MOST_VALUES).collect()
@@ -202,20 +211,30 @@ fn words(condition: &str) -> impl Iterator<Item = &str> {
     condition.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').filter(|word| !word.is_empty())
 }
 
-/// The integers that stand in a condition with each name.
-fn compared(shader: &Shader) -> HashMap<&str, BTreeSet<i64>> {
-    let mut found: HashMap<&str, BTreeSet<i64>> = HashMap::new();
-    for (_, _, condition) in conditions_of(shader) {
-        let numbers: Vec<i64> = words(condition).filter_map(|word| word.parse().ok()).collect();
-        words(condition).for_each(|word| found.entry(word).or_default().extend(&numbers));
-    }
-    found
+/// What conditions ask of a name.
+#[derive(Default)]
+struct Asked {
+    /// The integers that stand in a condition with it.
+    numbers: BTreeSet<i64>,
+    /// The files of these conditions.
+    files: BTreeSet<String>,
 }
 
-/// The files whose conditions ask for a name.
-fn asked_in(shader: &Shader, name: &str) -> BTreeSet<String> {
-    let asks = conditions_of(shader).filter(|(_, _, condition)| words(condition).any(|word| word == name));
-    asks.map(|(at, ..)| shader.file().origin(Span::at(at)).0.name().to_owned()).collect()
+/// What the conditions of a text ask, by name.
+fn asked(shader: &Shader) -> HashMap<&str, Asked> {
+    let mut found: HashMap<&str, Asked> = HashMap::new();
+    for (at, _, condition) in conditions_of(shader) {
+        let numbers: Vec<i64> = words(condition).filter_map(|word| word.parse().ok()).collect();
+        let file = shader.file().origin(Span::at(at)).0;
+        for word in words(condition) {
+            let asked = found.entry(word).or_default();
+            asked.numbers.extend(&numbers);
+            if !asked.files.contains(file.name()) {
+                asked.files.insert(file.name().to_owned());
+            }
+        }
+    }
+    found
 }
 
 /// Names that a line takes back: their value is worked out.
@@ -230,22 +249,17 @@ pub(super) fn pairs(shader: &Shader, switches: &[Switch]) -> BTreeSet<(usize, us
     let mut around: Vec<BTreeSet<usize>> = Vec::new();
     let mut found = BTreeSet::new();
     for (_, word, condition) in conditions_of(shader) {
-        if matches!(word, "endif" | "elif") {
-            let before = around.pop().unwrap_or_default();
-            // The branches in front decide over this one.
-            if word == "elif" {
-                around.push(before);
-            }
+        if word == "endif" {
+            around.pop();
         }
         if matches!(word, "if" | "ifdef" | "ifndef" | "elif") {
             let mut all: BTreeSet<usize> = words(condition).filter_map(|word| by_name.get(word).copied()).collect();
             if word == "elif" {
+                // The branches in front decide over this one.
                 all.extend(around.pop().unwrap_or_default());
             }
-            let outer = around.iter().flatten().copied();
-            let of_outer: BTreeSet<usize> = outer.collect();
             for a in &all {
-                for b in all.iter().chain(&of_outer).filter(|b| *b != a) {
+                for b in all.iter().chain(around.iter().flatten()).filter(|b| *b != a) {
                     found.insert((*a.min(b), *a.max(b)));
                 }
             }

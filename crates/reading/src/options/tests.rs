@@ -84,9 +84,9 @@ fn what_no_author_changes_is_no_option() {
         "#ifndef A_H\n#define A_H\nfloat x, y;\n#endif",
         "/*\n#define A\n*/\nfloat y;",
         "// use #define A to see more\nfloat y;",
-        "#ifdef GL_ES\n#define A\n#else\n#define A\n#endif\nfloat x, y;",
-        "#define A\nfloat x, y;\n#undef A\n#define B",
-        "//#define B\n#ifndef B\n#define A\n#endif\nfloat x, y;",
+        "#ifdef GL_ES\n#define A\n#else\n#define A\n#endif\n#ifdef A\nfloat x, y;\n#endif",
+        "#define A\n#ifdef A\nfloat x, y;\n#endif\n#undef A\n#define B",
+        "//#define B\n#ifndef B\n#define A\n#endif\n#if defined A || defined B\nfloat x, y;\n#endif",
     ] {
         assert!(told(options, uses).is_empty(), "{options}");
     }

@@ -217,8 +217,7 @@ impl ShaderFile {
         }
         let Composed { file, refused } = input.composer.as_ref()?.join(&input.file)?;
         let parsed = Shader::parse_fitting(&file, stage, &input.defines, false);
-        let open = |d: &Diagnostic| d.severity < Severity::Error || open::is_value_of_host(d);
-        if !parsed.diagnostics.iter().all(open) {
+        if !parsed.diagnostics.iter().all(open::leaves_in_order) {
             return None;
         }
         let shader = Self::read(&input.with_file(file), parsed);
