@@ -172,7 +172,7 @@ impl IncludedText {
         let Parsed { shader, diagnostics } =
             self.parsed_with(defines, &Completed { declared: Vec::new(), ..self.completed.clone() });
         let errors: Vec<Diagnostic> = diagnostics.into_iter().filter(|d| d.severity == Severity::Error).collect();
-        let doubtful = reading::open::doubtful(&shader, &errors);
+        let doubtful = reading::open::doubtful(&shader, &errors, syntax::errors::Around::empty());
         errors.into_iter().zip(doubtful).filter(|(_, doubtful)| !doubtful).map(|(error, _)| error).collect()
     }
 

@@ -13,7 +13,7 @@ use base::text::{SourceFile, Span};
 
 use crate::cpp::constants::Constants;
 use crate::cpp::{Embedded, HostPrograms, Lookup, embedded, lookup, presets, programs, tree};
-use crate::script::{Field, Script, Table, WebGpu};
+use crate::script::{self, Field, Script, Table, WebGpu};
 
 /// A host file with its syntax tree.
 pub struct HostFile {
@@ -99,6 +99,12 @@ impl HostFile {
         let text = self.file.text();
         let android = || ["GLES20", "GLES30", "GLES31"].iter().any(|word| text.contains(word));
         self.is_script() && (crate::script::is_of_the_web(self.file.name()) || android())
+    }
+
+    /// True where the shaders of a script reach OpenGL as they stand, but for what its project has in strings: it gives them
+    /// to OpenGL, or another file of the project does (`given`) and no library is used beside.
+    pub fn hands_on(&self, given: bool) -> bool {
+        script::hands_on(self.origin.as_ref().map_or(&self.file, |origin| &origin.host), given)
     }
 
     /// True for a file of another language than C and C++.

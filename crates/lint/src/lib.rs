@@ -30,6 +30,7 @@ use base::diagnostic::{Code, Diagnostic, Fix, Severity};
 use base::text::{SourceFile, Span};
 use rayon::prelude::*;
 
+use reading::in_front::Fronts;
 use reading::{Project, ShaderFile};
 use reading::{composed, open, options, relocate, variants};
 use suppress::Suppressions;
@@ -180,22 +181,19 @@ fn leave_doubtful_to_strict(project: &Project, told: &mut [(Level, Diagnostic)])
     // Parts of one file for the same stage have one name.
     let mut shaders: HashMap<&str, Vec<&ShaderFile>> = HashMap::new();
     project.shaders().for_each(|s| shaders.entry(s.file.name()).or_default().push(s));
-    let mut in_front: Option<HashSet<String>> = None;
+    let mut fronts: Option<Fronts> = None;
     let supplied = open::supplied(project);
     let marks = open::repeated_marks(project);
     let rewritten: HashSet<&str> = project.shaders().filter(|s| marks.are_in(s)).map(|s| s.file.name()).collect();
     for (level, error) in told.iter_mut().filter(|(level, _)| *level == Level::Default) {
         let stands = |s: &&&ShaderFile| s.front_end.iter().any(|d| d.code == error.code && d.span == error.span);
         let Some(shader) = shaders.get(error.file.name()).and_then(|all| all.iter().find(stands)) else { continue };
-        let mut may_be_in_front = || {
-            let names = in_front.get_or_insert_with(|| open::names_in_front(project));
-            names.contains(error.file.slice(error.span))
-        };
         let about_a_name = open::is_about_a_name(error);
         let may_be_supplied = || supplied.may_be(error);
         let doubtful = || shader.is_doubtful(error) || rewritten.contains(error.file.name());
         let of_host = || open::is_of_host(project, &shader.shader, error);
-        if doubtful() || (about_a_name && (may_be_supplied() || may_be_in_front() || of_host())) {
+        let mut in_front = || fronts.get_or_insert_with(|| Fronts::of(project)).may_take_away(shader, error);
+        if doubtful() || (about_a_name && (may_be_supplied() || of_host())) || in_front() {
             *level = Level::Strict;
         }
     }

@@ -4,6 +4,7 @@ mod conditions;
 mod document;
 mod embedded;
 mod feed;
+mod handed;
 mod kept;
 mod languages;
 mod open;

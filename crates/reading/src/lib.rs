@@ -9,6 +9,7 @@ mod config;
 mod dialect;
 pub mod es;
 pub mod hlsl;
+pub mod in_front;
 mod level;
 mod linked;
 pub mod open;

@@ -18,8 +18,8 @@ use super::dialect;
 use super::project::{Project, ShaderFile};
 use hosts::marks;
 
-/// Those of the errors of a text that its host may take away.
-pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
+/// Those of the errors of a text that its host may take away. `stated` is what the host is known to add nothing to.
+pub fn doubtful(shader: &Shader, found: &[Diagnostic], stated: Around) -> Vec<bool> {
     if found.is_empty() {
         return Vec::new();
     }
@@ -37,12 +37,14 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
         return found.iter().map(|error| rests(error).contains(Around::NAMES)).collect();
     }
     let conditions = Conditions::of(shader);
-    let surroundings = Surroundings::new(shader, &conditions, found);
+    let mut surroundings = Surroundings::new(shader, &conditions, found);
+    surroundings.open.remove(stated);
     let open = surroundings.open;
     let mut kept = under_conditions(shader, &surroundings.asked, found);
     if shader.version().span.is_none() {
         // What is written for the first versions is compiled as such where nobody can state another.
-        let old = is_old(shader) && has_main(shader) && !open.contains(Around::ENABLED);
+        let old = (is_old(shader) || stated.contains(Around::ENABLED)) && has_main(shader);
+        let old = old && !open.contains(Around::ENABLED);
         under_versions(shader, found, &mut kept, if old { &ANY_VERSION[..1] } else { &ANY_VERSION });
     }
     let mut doubtful: Vec<bool> =
@@ -357,48 +359,6 @@ fn is_old(shader: &Shader) -> bool {
 pub fn declares_elsewhere(shader: &Shader, error: &Diagnostic) -> bool {
     let is_whole = |m: &Module| !m.entry_points.is_empty() && !m.varies && !m.filled;
     error.why.is_some() || !shader.wgsl().is_some_and(is_whole)
-}
-
-/// Names that hosts can put in front of the shaders of a project: words of pieces, and those of texts that host code
-/// writes and that are no whole shader.
-pub fn names_in_front(project: &Project) -> HashSet<String> {
-    let mut names = HashSet::new();
-    let mut add = |text: &str| {
-        let words = text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
-        names.extend(words.filter(|w| w.len() > 1).map(str::to_owned));
-    };
-    for (_, shader) in project.shader_files() {
-        let is_piece = match shader.shader.wgsl() {
-            Some(module) => module.entry_points.is_empty(),
-            None => shader.shader.function("main").is_none(),
-        };
-        if is_piece {
-            let shader = &shader.shader;
-            let code =
-                shader.tokens().iter().filter(|t| t.kind == TokenKind::Word).map(|t| shader.file().slice(t.span));
-            code.for_each(&mut add);
-        }
-    }
-    for host in project.hosts() {
-        let mut at = 0;
-        for line in host.file.text().split_inclusive('\n') {
-            // What a whole shader in a literal declares is its own.
-            if let Some(text) = written(line).filter(|_| !host.embedded().iter().any(|e| e.place.contains(at))) {
-                add(text);
-            }
-            at += line.len();
-        }
-    }
-    names
-}
-
-/// The part of a line of host code that is GLSL in quotes: a definition or a declaration.
-fn written(line: &str) -> Option<&str> {
-    let quoted = &line[line.find('"')? + 1..];
-    let starts =
-        ["#define ", "uniform ", "const ", "in ", "out ", "varying ", "attribute ", "layout", "struct ", "\\n#define "];
-    let declares = |start: &&str| quoted.trim_start().starts_with(*start) && quoted.len() > start.len();
-    starts.iter().any(declares).then_some(quoted)
 }
 
 /// True for a name that a module in WGSL lacks and that host code has somewhere: it may put a declaration in front.

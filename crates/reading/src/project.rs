@@ -24,6 +24,7 @@ use hosts::cpp::{Fed, named_shaders, wrappers_of_project};
 use hosts::document::{Document, Listing};
 use hosts::language::{Language, SHADER_EXTENSIONS, language_of, stage_of};
 use hosts::paths::{beside, extension, file_name, normalise, stem};
+use hosts::script;
 use hosts::sections::{sections, template};
 use hosts::{HostFile, HostTree, ShaderRef};
 
@@ -44,6 +45,21 @@ fn is_other_language(path: &str, text: &str) -> bool {
             of_hlsl && syntax::looks_like(text, Looks::Glsl).is_some_and(|(other, _)| other == Looks::Hlsl)
         }
     }
+}
+
+/// What is known of the hosts of a project before its texts are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct KnownHosts {
+    /// The prelude that texts get.
+    wanted: Wanted,
+    /// A script or a page of the project gives texts to OpenGL.
+    given: bool,
+}
+
+/// True for a script, or a page, that gives texts to OpenGL.
+fn gives_to_gl(input: &Input) -> bool {
+    let of_scripts = matches!(language_of(input.file.name()), Some(Language::Script) | None);
+    of_scripts && script::gives_to_gl(input.file.text())
 }
 
 /// A text to lint. Its name is its path, with `/` between the parts.
@@ -168,7 +184,8 @@ enum Read {
 }
 
 impl Read {
-    fn new(input: &Input, wanted: Wanted) -> (String, Option<Self>) {
+    fn new(input: &Input, known: KnownHosts) -> (String, Option<Self>) {
+        let KnownHosts { wanted, given } = known;
         let path = normalise(input.file.name());
         if let Some(stage) = input.stage.filter(|_| language_of(&path) != Some(Language::Wgsl)) {
             let shader = input.shader(wanted, || ShaderFile::of_file(input, stage, wanted));
@@ -194,21 +211,23 @@ impl Read {
             Some(Language::Wgsl) => Some(Self::Shader(input.shader(wanted, || ShaderFile::wgsl(input)))),
             Some(Language::Host) => Some(Self::Host(Box::new(input.host()))),
             Some(Language::Script) => Some(Self::Host(Box::new(input.script()))),
-            None => Document::read(&input.file).map(|document| Self::document(input, document)),
+            None => Document::read(&input.file).map(|document| Self::document(input, document, given)),
         };
         (path, read)
     }
 
-    fn document(input: &Input, document: Document) -> Self {
-        let shaders = document.shaders.into_iter().map(|l| ShaderFile::of_document(input, l)).collect();
-        let host = |listing: Listing| {
+    fn document(input: &Input, document: Document, given: bool) -> Self {
+        let shaders = document.shaders.into_iter().map(|l| ShaderFile::of_document(input, l, given)).collect();
+        let host = |listing: Listing, script: bool| {
             let text = input.with_file(SourceFile::new(listing.name, listing.literal.text.as_str()));
-            let mut host = text.host();
+            let mut host = if script { text.script() } else { text.host() };
             host.origin = Some(Origin { host: input.file.clone(), literal: listing.literal });
             host.place = Some(listing.place);
             host
         };
-        Self::Document(shaders, document.hosts.into_iter().map(host).collect())
+        let mut hosts: Vec<HostFile> = document.hosts.into_iter().map(|listing| host(listing, false)).collect();
+        hosts.extend(document.script.map(|listing| host(listing, true)));
+        Self::Document(shaders, hosts)
     }
 }
 
@@ -226,7 +245,8 @@ impl Project {
         let (context, reported): (Vec<&Input>, Vec<&Input>) = files.iter().partition(|f| !f.reported);
         let inputs: Vec<&Input> = context.into_iter().chain(reported).collect();
         let wanted = config.prelude.in_project(inputs.iter().map(|i| i.file.text()));
-        let read: Vec<(String, Option<Read>)> = inputs.into_par_iter().map(|input| Read::new(input, wanted)).collect();
+        let known = KnownHosts { wanted, given: inputs.iter().any(|input| gives_to_gl(input)) };
+        let read: Vec<(String, Option<Read>)> = inputs.into_par_iter().map(|input| Read::new(input, known)).collect();
         for (path, read) in read {
             match read {
                 Some(Read::Shader(shader)) => {
@@ -262,7 +282,7 @@ impl Project {
         let embedded: Vec<((String, usize), Arc<ShaderFile>)> = hosts
             .into_par_iter()
             .flat_map_iter(|(path, host)| {
-                let all = kept::embedded(host, by_path.get(path).copied(), wanted);
+                let all = kept::embedded(host, by_path.get(path).copied(), known);
                 all.into_iter().enumerate().map(move |(index, shader)| ((path.clone(), index), shader))
             })
             .collect();

@@ -1,5 +1,6 @@
 //! A version for a text that states none.
 
+use super::preprocess::InFront;
 use super::{Parsed, Profile, Shader, Stage, Version, errors};
 use base::diagnostic::Severity;
 use base::text::{Assembly, SourceFile, Span};
@@ -30,10 +31,10 @@ fn stated_for(stage: Stage) -> impl Iterator<Item = Version> {
 
 impl Shader {
     /// Reads a text as its host is taken to compile it. One without `#version` is GLSL 1.10, unless it uses what came later
-    /// and a host that puts another version in front of it leaves fewer errors: then it is read as such, and names may be
-    /// declared in front as well. A host that knows OpenGL ES alone states its versions, where `es` says so.
+    /// and a host that puts another version in front of it leaves fewer errors: then it is read as such. A host that knows OpenGL ES alone states its versions, where `es` says so.
     pub fn parse_fitting(file: &SourceFile, stage: Stage, defines: &[(String, String)], es: bool) -> Parsed {
-        let oldest = || Version { number: 100, profile: Profile::Es, span: None };
+        let before = |version| InFront { version, names: false };
+        let oldest = || before(Version { number: 100, profile: Profile::Es, span: None });
         let es = es && !file.text().contains("#version");
         let plain = Self::read(file, stage, (defines, &[]), es.then(oldest));
         let later = [errors::NEEDS_VERSION, errors::EXTENSION, errors::FLOAT_SUFFIX];
@@ -44,7 +45,7 @@ impl Shader {
         let weight = |p: &Parsed| p.diagnostics.iter().filter(|d| !errors::is_name(d.code)).count() + p.shader.absent();
         let mut best = plain;
         for version in stated_for(stage).filter(|version| !es || version.profile == Profile::Es) {
-            let parsed = Self::read(file, stage, (defines, &[]), Some(version));
+            let parsed = Self::read(file, stage, (defines, &[]), Some(before(version)));
             if weight(&parsed) < weight(&best) {
                 best = parsed;
             }
@@ -153,7 +154,7 @@ mod tests {
     fn a_version_that_the_host_puts_in_front_is_found_out() {
         let modern = "in vec3 n;\nout vec4 c;\nuniform sampler2D t;\n\
             void main() { float h = 1.0f; h += 1; c = texture(t, n.xy) * h * TINT; }\n";
-        assert_eq!(reported(Stage::Fragment, modern), [""; 0]);
+        assert_eq!(reported(Stage::Fragment, modern), ["E020 `TINT` is not declared"], "names are told in any version");
         let embedded =
             "precision mediump float;\nvarying vec2 uv;\nvoid main() { gl_FragColor = vec4(uv, 0.0, 1.0); }\n";
         assert_eq!(reported(Stage::Fragment, embedded), [""; 0]);

@@ -192,7 +192,8 @@ impl<'t> Reader<'t> {
                 let calls = || self.glued(len) == Some(Lex::LParen) && self.bracketed(len) == Some(self.line);
                 Some(if first && (controls || calls()) { self.line } else { len })
             }
-            '`' if first => Some(self.line),
+            // A line of a fence is no directive.
+            '`' if first && self.glued(1) == Some(Lex::Word) => Some(self.line),
             _ => None,
         }
     }

@@ -57,6 +57,7 @@ pub use hole::Hole;
 use interface::Interface;
 pub use names::{MOST_SLIPS, nearest};
 pub use other_language::{Looks, looks_like, other_language};
+use preprocess::InFront;
 pub use preprocess::plain;
 pub use preprocess::setting::Setting;
 pub use readings::{Readings, Seen};
@@ -232,7 +233,7 @@ impl Shader {
     /// Reads a shader that a host puts behind another text, which states this version and may declare
     /// names that this one does not.
     pub fn parse_behind(file: &SourceFile, stage: Stage, before: Version) -> Parsed {
-        Self::read(file, stage, (&[], &[]), Some(before))
+        Self::read(file, stage, (&[], &[]), Some(InFront { version: before, names: true }))
     }
 
     /// Reads a shader with macros that are given from outside: names and values.
@@ -249,12 +250,13 @@ impl Shader {
     }
 
     /// The version that is taken to stand in front of the text.
-    fn assumed(&self) -> Option<Version> {
+    fn assumed(&self) -> Option<InFront> {
         // GLSL 1.10 is what a text is that states nothing.
-        (self.version.span.is_none() && self.version.number != 110).then(|| self.version.clone())
+        let assumed = self.version.span.is_none() && self.version.number != 110;
+        assumed.then(|| InFront { version: self.version.clone(), names: true })
     }
 
-    fn read(file: &SourceFile, stage: Stage, given: Given<'_>, before: Option<Version>) -> Parsed {
+    fn read(file: &SourceFile, stage: Stage, given: Given<'_>, before: Option<InFront>) -> Parsed {
         let mut sink = sink::Sink::new(file);
         let pieces = lexed(file);
         let left = preprocess::run(&pieces, given, before, &mut sink);

@@ -22,6 +22,12 @@ pub(crate) fn literal(text: &str) -> Result<Literal, &'static str> {
     integer(text, 10, "is no number")
 }
 
+/// True for `1f`: a suffix of a fraction behind a whole number.
+pub(crate) fn lacks_point(text: &str) -> bool {
+    let digits = text.strip_suffix(['f', 'F']).unwrap_or("");
+    !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit())
+}
+
 /// Suffixes of whole numbers of other sizes (GL_EXT_shader_explicit_arithmetic_types).
 const SIZED: [(&str, ScalarType); 8] = [
     ("us", ScalarType::Uint16),
@@ -115,6 +121,12 @@ mod tests {
         for (text, value) in cases {
             assert_eq!(literal(text), Ok(value), "{text}");
         }
+    }
+
+    #[test]
+    fn a_suffix_of_fractions_lacks_a_point_behind_digits() {
+        assert!(["0f", "12F"].iter().all(|text| lacks_point(text)));
+        assert!(!["1.f", ".5f", "1e3f", "1", "f", "0xf", "1u"].iter().any(|text| lacks_point(text)));
     }
 
     #[test]

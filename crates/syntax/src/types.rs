@@ -66,6 +66,18 @@ impl OpaqueType {
         }
     }
 
+    /// True where GLSL ES has a default precision of it, and for what GLSL ES has only with Vulkan.
+    pub(crate) fn has_default_precision(self) -> bool {
+        let plain = self.scalar == ScalarType::Float && !self.arrayed && !self.shadow && !self.multisampled;
+        match self.kind {
+            OpaqueKind::Sampler => {
+                self.separate || (plain && matches!(self.dim, TextureDim::D2 | TextureDim::Cube | TextureDim::Rect))
+            }
+            OpaqueKind::Image => false,
+            OpaqueKind::AtomicCounter => true,
+        }
+    }
+
     /// Reads a spelling such as `usampler2DArray` or `image3D`.
     pub fn from_name(name: &str) -> Option<Self> {
         if name == "atomic_uint" {

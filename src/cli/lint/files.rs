@@ -65,7 +65,7 @@ pub enum InputError {
     #[error("{}: there are no rules for HLSL and Slang; `fuzz` and `compare` run their functions", .0.shown())]
     NoRules(PathBuf),
     /// A document in which nothing is code of ours.
-    #[error("{}: no block of this document is a shader, or C or C++ that calls OpenGL", .0.shown())]
+    #[error("{}: no block of this document is a shader, or code that calls OpenGL", .0.shown())]
     NoCode(PathBuf),
     /// A folder without a file to lint.
     #[error(

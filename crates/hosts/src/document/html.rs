@@ -37,8 +37,9 @@ pub fn read(blocks: &mut Blocks<'_>, place: Span) {
                 blocks.add(&language(&format!("{told} {inner}")), literal);
             }
             "script" if is_shader_type(tag.value("type")) => {
-                blocks.add(&format!("glsl {}", stage(&told)), Literal::part(file, body));
+                blocks.add_whole(&format!("glsl {}", stage(&told)), body);
             }
+            "script" if is_run(tag.value("type")) && !body.is_empty() => blocks.run(body),
             _ => {}
         }
         at = end;
@@ -49,6 +50,12 @@ pub fn read(blocks: &mut Blocks<'_>, place: Span) {
 fn is_shader_type(ty: &str) -> bool {
     let ty = ty.to_ascii_lowercase();
     ty.contains("shader") || ty.contains("glsl")
+}
+
+/// True for the type of a script that browsers run.
+fn is_run(ty: &str) -> bool {
+    let ty = ty.to_ascii_lowercase();
+    ty.is_empty() || ty == "module" || ty.contains("javascript") || ty.contains("ecmascript")
 }
 
 /// Where the element ends that starts before `from`.

@@ -37,7 +37,7 @@ pub fn listings(file: &SourceFile, blocks: Vec<Block>) -> Document {
     let whole = |part: &Part<'_>| marks::has_main(&part.literal.text) && depth(&part.literal.text) == 0;
     let shaders = join(shaders, continues, whole).into_iter().filter_map(|p| p.shader(file)).collect();
     let hosts = join(hosts, goes_on, |_| true).into_iter().map(|p| p.host(file)).collect();
-    Document { shaders, hosts }
+    Document { shaders, hosts, script: None }
 }
 
 /// True for a text that a tool fills in.
@@ -190,7 +190,7 @@ impl<'b> Part<'b> {
         let stage = self.stage.or_else(|| stage(&self.literal.text)).unwrap_or(Stage::Library);
         let read = parsed(&self.literal, stage);
         let open = !marks::has_main(&self.literal.text) || depth(&self.literal.text) > 0;
-        let lacks = count(&read, errors::is_name) > 0 && (self.elided_in_comment || !has_version(&self.literal.text));
+        let lacks = count(&read, errors::is_name) > 0 && (self.elided_in_comment || !self.is_stated());
         let partial = open || self.elided || lacks;
         // A few lines that show a mistake on purpose are no mistake.
         if partial && shows_a_mistake(&self.literal.text) {
@@ -203,6 +203,11 @@ impl<'b> Part<'b> {
             }
         }
         Some(self.listing(file, stage, partial))
+    }
+
+    /// True where the document leaves nothing to stand in front of the text.
+    fn is_stated(&self) -> bool {
+        has_version(&self.literal.text) || (self.first.whole && self.first.place == self.last.place)
     }
 
     fn host(self, file: &SourceFile) -> Listing {
@@ -218,6 +223,7 @@ impl<'b> Part<'b> {
             literal: self.literal,
             stage,
             partial,
+            whole: self.first.whole,
             place: Place {
                 document: file.name().to_owned(),
                 order: self.first.order,

@@ -30,8 +30,10 @@ pub const DOCUMENT_EXTENSIONS: &[&str] = &["md", "markdown", "txt", "adoc", "asc
 pub struct Document {
     /// Shaders, in the order of the text.
     pub shaders: Vec<Listing>,
-    /// Host code, in the order of the text.
+    /// Host code in C and C++, in the order of the text.
     pub hosts: Vec<Listing>,
+    /// The scripts that a page runs, as one text: they share their names.
+    pub script: Option<Listing>,
 }
 
 /// Blocks of a document that are one text.
@@ -46,6 +48,8 @@ pub struct Listing {
     pub stage: Stage,
     /// True for a text that lacks something: only what is wrong in any context may be told.
     pub partial: bool,
+    /// True for a text that scripts of a page take as it is.
+    pub whole: bool,
     /// Where it stands among the others.
     pub place: Place,
 }
@@ -98,8 +102,9 @@ impl Document {
             Format::Tex => tex::read(&mut blocks),
             Format::Html => html::read(&mut blocks, Span::new(0, text.len())),
         }
-        let document = join::listings(file, blocks.finish());
-        (!document.shaders.is_empty() || !document.hosts.is_empty()).then_some(document)
+        let script = blocks.script();
+        let document = Self { script, ..join::listings(file, blocks.finish()) };
+        (!document.shaders.is_empty() || !document.hosts.is_empty() || document.script.is_some()).then_some(document)
     }
 }
 
@@ -174,8 +179,14 @@ pub fn printed_shaders(file: &SourceFile) -> Vec<Printed> {
             whole.map(|e| (named(e), e.stage, e.literal.clone())).collect()
         }
         None => {
-            let shaders = Document::read(file).map(|d| d.shaders).unwrap_or_default();
-            shaders.into_iter().filter(|s| !s.partial).map(|s| (s.name, s.stage, s.literal)).collect()
+            let document = Document::read(file).unwrap_or_default();
+            // Places in the scripts of a page are those in the page.
+            let script = document.script.map(|l| HostFile::script(&SourceFile::new(l.name, l.literal.text), true));
+            let strings = script.iter().flat_map(HostFile::embedded).filter(|e| !e.partial);
+            let named = |e: &Embedded| if e.wgsl { format!("{}.wgsl", e.name) } else { e.name.clone() };
+            let strings: Vec<_> = strings.map(|e| (named(e), e.stage, e.literal.clone())).collect();
+            let shaders = document.shaders.into_iter().filter(|s| !s.partial);
+            shaders.map(|s| (s.name, s.stage, s.literal)).chain(strings).collect()
         }
     };
     let printed = all.into_iter().filter_map(|(name, stage, literal)| {

@@ -33,10 +33,10 @@ pub(super) fn read(file: &SourceFile) -> Option<Document> {
         literal.verbatim_raw(file, Span::new(start, end));
         let place = Place { document: file.name().to_owned(), order, section: Vec::new() };
         let name = format!("{} ({})", file.name(), stage.name());
-        Listing { name, called: None, literal, stage, partial: false, place }
+        Listing { name, called: None, literal, stage, partial: false, whole: false, place }
     };
     let shaders = starts.iter().zip(ends).enumerate().map(listing).collect();
-    Some(Document { shaders, hosts: Vec::new() })
+    Some(Document { shaders, ..Document::default() })
 }
 
 /// The stage that a line begins.

@@ -55,11 +55,12 @@ const LIKE_C: &[&str] =
     &["c", "cc", "cpp", "cxx", "h", "hh", "hpp", "hxx", "inl", "m", "mm", "cs", "go", "swift", "zig", "d", "cu"];
 
 impl Language {
-    /// The language that a file's name says.
+    /// The language that a file's name says; JavaScript for the scripts of a page, as they are called by its name and a line.
     pub fn of(name: &str) -> Option<Self> {
+        let name = name.trim_end_matches(|c: char| c.is_ascii_digit() || c == ':');
         Some(match name.rsplit_once('.')?.1.to_ascii_lowercase().as_str() {
             "py" => Self::Python,
-            "js" | "mjs" | "cjs" | "jsx" | "ts" | "mts" | "tsx" => Self::JavaScript,
+            "js" | "mjs" | "cjs" | "jsx" | "ts" | "mts" | "tsx" | "html" | "htm" | "xhtml" => Self::JavaScript,
             "java" => Self::Java,
             "kt" => Self::Kotlin,
             "rs" => Self::Rust,

@@ -11,6 +11,7 @@
 
 mod code;
 pub mod filled;
+mod handed;
 mod host_text;
 mod language;
 mod lookup;
@@ -29,6 +30,7 @@ use code::Code;
 use program::Programs;
 use strings::Text;
 
+pub use handed::{InFront, gives_to_gl, hands_on};
 pub use host_text::{HostText, host_texts};
 use language::Language;
 pub use language::SCRIPT_EXTENSIONS;
@@ -148,6 +150,12 @@ fn modules(code: &Code<'_>, places: &[Span], into: &mut Vec<Embedded>) {
 /// True for code that uses WebGPU, or keeps a module of WGSL for who does.
 fn may_say_modules(text: &str) -> bool {
     webgpu::may_say(text) || strings::has_entry_point(text)
+}
+
+/// True for a script that has shaders, or looks up what they declare.
+pub fn concerns_shaders(text: &str) -> bool {
+    let looks_up = || ["getUniformLocation", "getAttribLocation"].iter().any(|word| text.contains(word));
+    may_hold(text) || looks_up() || may_say_modules(text)
 }
 
 /// Words of code that feeds shaders.

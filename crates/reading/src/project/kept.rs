@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use base::text::SourceFile;
 
-use super::{Input, ShaderFile};
+use super::{Input, KnownHosts, ShaderFile};
 use crate::prelude::Wanted;
 use hosts::Origin;
 use hosts::Wrapper;
@@ -27,6 +27,9 @@ impl fmt::Debug for Kept {
 /// Whether a text is reported, and the prelude with which it is read.
 type Reading = (bool, Wanted);
 
+/// The same for a host file.
+type ReadingOfHost = (bool, KnownHosts);
+
 #[derive(Default)]
 struct Readings {
     /// The text as a shader, reported or not, in a project with this prelude.
@@ -35,7 +38,7 @@ struct Readings {
     /// What a host file holds, in a project with these wrappers.
     found: Option<(Vec<Wrapper>, Arc<Found>)>,
     /// The shaders in its literals, reported or not, in a project with this prelude.
-    embedded: Vec<(Reading, Vec<Arc<ShaderFile>>)>,
+    embedded: Vec<(ReadingOfHost, Vec<Arc<ShaderFile>>)>,
 }
 
 impl Kept {
@@ -102,13 +105,13 @@ impl Input {
 }
 
 /// The shaders in the literals of a host file, which is this input where it is a file by itself.
-pub(super) fn embedded(host: &HostFile, input: Option<&Input>, wanted: Wanted) -> Vec<Arc<ShaderFile>> {
+pub(super) fn embedded(host: &HostFile, input: Option<&Input>, known: KnownHosts) -> Vec<Arc<ShaderFile>> {
     let kept = input.and_then(|i| i.kept.as_deref());
-    let key = (host.reported, wanted);
-    let known = kept.and_then(|k| k.with(|r| r.embedded.iter().find(|(k, _)| *k == key).map(|(_, all)| all.clone())));
-    known.unwrap_or_else(|| {
+    let key = (host.reported, known);
+    let read = kept.and_then(|k| k.with(|r| r.embedded.iter().find(|(k, _)| *k == key).map(|(_, all)| all.clone())));
+    read.unwrap_or_else(|| {
         let all: Vec<Arc<ShaderFile>> =
-            host.embedded().iter().map(|e| Arc::new(shader_in(host, e, input, wanted))).collect();
+            host.embedded().iter().map(|e| Arc::new(shader_in(host, e, input, known))).collect();
         if let Some(kept) = kept {
             kept.with(|r| r.embedded.push((key, all.clone())));
         }
@@ -116,14 +119,14 @@ pub(super) fn embedded(host: &HostFile, input: Option<&Input>, wanted: Wanted) -
     })
 }
 
-fn shader_in(host: &HostFile, embedded: &hosts::Embedded, whole: Option<&Input>, wanted: Wanted) -> ShaderFile {
+fn shader_in(host: &HostFile, embedded: &hosts::Embedded, whole: Option<&Input>, known: KnownHosts) -> ShaderFile {
     let file = SourceFile::new(embedded.name.as_str(), embedded.literal.text.as_str());
     let input = if host.reported { Input::new(file) } else { Input::context(file) };
     let input = input.defining(whole.map_or(&[], |whole| &whole.defines));
     let mut shader = if embedded.wgsl {
         ShaderFile::wgsl(&input)
     } else if host.is_script() {
-        ShaderFile::in_script(host, &input, embedded, wanted)
+        ShaderFile::in_script(host, &input, embedded, known)
     } else {
         ShaderFile::new(&input, embedded.stage)
     };

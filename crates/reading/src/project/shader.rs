@@ -9,7 +9,7 @@ use syntax::ast::ItemKind;
 use syntax::errors::Around;
 use syntax::{Parsed, Shader, Stage, TokenPlace, errors};
 
-use super::{Input, Project, template};
+use super::{Input, KnownHosts, Project, template};
 use crate::Level;
 use crate::composed::Composed;
 use crate::prelude::{self, Between, Wanted};
@@ -27,6 +27,9 @@ const MOST_VARIANTS: usize = 3;
 
 /// Bytes of the longest text that is read again: preprocessed collections of everything take too long.
 const LONGEST_VARIED: usize = 1 << 15;
+
+/// What nothing is left open of where a text reaches its compiler as it stands.
+const HANDED_ON: Around = Around::NAMES.union(Around::ENABLED).union(Around::STAGE);
 
 /// A shader as rules see it.
 pub struct ShaderFile {
@@ -135,7 +138,7 @@ impl ShaderFile {
         let claimed = |d| crate::hlsl::claim(&parsed.shader, d);
         let front_end: Vec<Diagnostic> = parsed.diagnostics.into_iter().map(claimed).collect();
         Self {
-            doubtful: Self::doubtful_of(&parsed.shader, &front_end),
+            doubtful: Self::doubtful_of(&parsed.shader, &front_end, Around::empty()),
             file: parsed.shader.file().clone(),
             reported: input.reported,
             shader: parsed.shader,
@@ -204,8 +207,8 @@ impl ShaderFile {
         Some(Self::read(&Input::new(parsed.shader.file().clone()).with_reported(self.reported), parsed))
     }
 
-    fn doubtful_of(shader: &Shader, found: &[Diagnostic]) -> Vec<(Code, Span)> {
-        let doubtful = open::doubtful(shader, found);
+    fn doubtful_of(shader: &Shader, found: &[Diagnostic], stated: Around) -> Vec<(Code, Span)> {
+        let doubtful = open::doubtful(shader, found, stated);
         found.iter().zip(doubtful).filter(|(_, doubtful)| *doubtful).map(|(d, _)| (d.code, d.span)).collect()
     }
 
@@ -286,15 +289,21 @@ impl ShaderFile {
     }
 
     /// A shader of a document.
-    pub(super) fn of_document(input: &Input, listing: Listing) -> Self {
+    pub(super) fn of_document(input: &Input, listing: Listing, given: bool) -> Self {
         let text = input.with_file(SourceFile::new(listing.name, listing.literal.text.as_str()));
-        Self {
+        // Pages know OpenGL ES alone.
+        let read = || Self::read_as(&text, listing.stage, listing.whole);
+        let mut shader = Self {
             origin: Some(Origin { host: input.file.clone(), literal: listing.literal }),
             place: Some(listing.place),
             called: listing.called,
             partial: listing.partial,
-            ..Self::with_includes(&text, listing.stage).unwrap_or_else(|| Self::new(&text, listing.stage))
+            ..Self::with_includes(&text, listing.stage).unwrap_or_else(read)
+        };
+        if listing.whole && !listing.partial && script::hands_on(&input.file, given) {
+            shader.doubtful = Self::doubtful_of(&shader.shader, &shader.front_end, HANDED_ON);
         }
+        shader
     }
 
     /// A shader in which a host fills in lines.
@@ -309,7 +318,8 @@ impl ShaderFile {
     }
 
     /// A shader in a string of a script.
-    pub(super) fn in_script(host: &HostFile, input: &Input, found: &Embedded, wanted: Wanted) -> Self {
+    pub(super) fn in_script(host: &HostFile, input: &Input, found: &Embedded, known: KnownHosts) -> Self {
+        let KnownHosts { wanted, given } = known;
         let es = host.is_of_es();
         let mut shader = match prelude::around(&found.literal, found.stage, wanted) {
             Some(between) => {
@@ -325,8 +335,9 @@ impl ShaderFile {
         shader.partial = found.partial;
         let lacks =
             shader.shader.has_unknown_names() || shader.shader.version().span.is_none_or(|v| shader.is_in_front(v));
+        let shader_number = shader.shader.version().number;
         // No version for the web is newer than 3.00.
-        let newest = es && shader.shader.version().number == 300;
+        let newest = es && shader_number == 300;
         // What stands in front may state 3.00, which has more functions.
         let held = open::holds_in_es(&shader.shader, &shader.front_end);
         let lost: Vec<Span> =
@@ -337,8 +348,17 @@ impl ShaderFile {
             errors::NEEDS_VERSION | errors::INITIALISER => newest,
             _ => false,
         };
-        let open = script::open(found.partial, lacks);
-        shader.leave(|d| !open::rests(d).intersects(open) || sure_of_es(d.code, d.span));
+        // Who gives its texts to OpenGL puts in front what stands in other strings of it, and nothing else.
+        let handed_on = !found.partial && !shader.has_prelude() && host.hands_on(given);
+        let stated = if handed_on { HANDED_ON } else { Around::empty() };
+        let open = script::open(found.partial, lacks).difference(stated);
+        // Browsers take it in the first version, with a warning (WebGL conformance test `global-variable-init`).
+        let warned = |d: &Diagnostic| es && d.code == errors::INITIALISER && shader_number == 100;
+        shader.leave(|d| (!open::rests(d).intersects(open) || sure_of_es(d.code, d.span)) && !warned(d));
+        // Engines of the web declare names and precisions in front of all their texts.
+        let of_engine = es && !handed_on && shader.shader.version().span.is_none();
+        let supplied = |d: &Diagnostic| errors::is_name(d.code) || d.code == errors::PRECISION;
+        shader.on_request.retain(|d| !(of_engine && supplied(d)));
         // What is filled in may have any type.
         let literal = shader.origin.as_ref().map(|o| o.literal.clone()).unwrap_or_default();
         let items = &shader.shader.unit().items;
@@ -351,7 +371,7 @@ impl ShaderFile {
         let mut filled_in = filled_in.into_iter();
         shader.front_end.retain(|_| !filled_in.next().unwrap_or(false));
         let all: Vec<Diagnostic> = shader.front_end.iter().chain(&shader.on_request).cloned().collect();
-        shader.doubtful = Self::doubtful_of(&shader.shader, &all);
+        shader.doubtful = Self::doubtful_of(&shader.shader, &all, stated);
         shader.doubtful.retain(|(code, span)| !sure_of_es(*code, *span));
         // What stands behind `$` is a name of the template.
         let is_hook = |d: &Diagnostic| host.file.text()[..literal.to_host(d.span).start].ends_with('$');

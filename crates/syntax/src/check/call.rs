@@ -208,8 +208,9 @@ impl Checker<'_> {
             self.sink.error(errors::CONSTRUCTOR, span, message, message!("this is a matrix", "これは行列"));
             return false;
         }
-        if !self.language.at_least(120, 300) {
-            let since = (120, 300, [].as_slice());
+        // GLSL ES 1.00 reserves it (section 5.4.2), and compilers for it take it.
+        if !self.language.at_least(120, 100) {
+            let since = (120, 100, [].as_slice());
             self.lacks(message!("a matrix made of a matrix", "行列から作る行列"), since, span);
         }
         true

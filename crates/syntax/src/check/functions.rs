@@ -1,13 +1,13 @@
 //! Rules about functions (GLSL 4.60 specification, section 6.1), and about the stage as a whole.
 
 use super::super::ast::{
-    AuxiliaryQualifier, Function, ItemKind, Precision, PrecisionStatement, Qualifier, QualifierKind, StorageQualifier,
-    TypeKind,
+    AuxiliaryQualifier, Function, ItemKind, Precision, PrecisionStatement, Qualifier, QualifierKind, Qualifiers,
+    StorageQualifier, TypeKind,
 };
 use super::super::interface::{OutputPrimitive, Storage};
 use super::super::language::Feature;
 use super::super::symbols::{Direction, FunctionId, ParamInfo};
-use super::super::types::{ArraySize, ScalarType, Type};
+use super::super::types::{ArraySize, OpaqueType, ScalarType, Type};
 use super::super::{Stage, builtin, errors};
 use super::{Checker, Entry};
 use base::diagnostic::{Message, message};
@@ -309,10 +309,14 @@ impl Checker<'_> {
         if ty == Type::FLOAT && matches!(statement.precision, Precision::Low | Precision::Medium | Precision::High) {
             self.float_precision = true;
         }
+        if let Type::Opaque(opaque) = ty {
+            self.opaque_precisions.push(opaque);
+        }
     }
 
-    /// In a fragment shader of GLSL ES a `float` has no precision by default.
-    pub(super) fn precision_needed(&mut self, qualifiers: &super::super::ast::Qualifiers, ty: &Type, span: Span) {
+    /// In a fragment shader of GLSL ES a `float` has no precision by default, and no sampler but two in any stage (GLSL ES
+    /// 3.00 specification, section 4.5.4).
+    pub(super) fn precision_needed(&mut self, qualifiers: &Qualifiers, ty: &Type, span: Span) {
         let floats = |t: &Type| t.scalar() == Some(ScalarType::Float);
         let mut element = ty;
         while let Type::Array(inner, _) = element {
@@ -325,6 +329,9 @@ impl Checker<'_> {
             && !self.precision_reported
             && qualifiers.precision().is_none()
             && !self.incomplete;
+        if let Type::Opaque(opaque) = element {
+            self.opaque_precision_needed(*opaque, qualifiers, span);
+        }
         if !needed {
             return;
         }
@@ -344,8 +351,38 @@ impl Checker<'_> {
         self.sink.push(d);
     }
 
+    fn opaque_precision_needed(&mut self, opaque: OpaqueType, qualifiers: &Qualifiers, span: Span) {
+        let needed = self.language.es()
+            && self.language.number() >= 300
+            && !opaque.has_default_precision()
+            && !self.opaque_precisions.contains(&opaque)
+            && qualifiers.precision().is_none()
+            && !self.incomplete;
+        if !needed {
+            return;
+        }
+        self.opaque_precisions.push(opaque);
+        let d = self
+            .sink
+            .start(
+                errors::PRECISION,
+                span,
+                message!("`{opaque}` has no precision here", "`{opaque}` の精度が決まっていません"),
+            )
+            .with_label(message!("needs a precision", "精度が必要です"))
+            .with_why(message!(
+                "of all samplers and images, GLSL ES has a default precision of `sampler2D` and `samplerCube` alone",
+                "GLSL ES で既定の精度があるのは `sampler2D` と `samplerCube` だけです"
+            ))
+            .with_help(message!(
+                "put `precision mediump {opaque};` at the top",
+                "先頭に `precision mediump {opaque};` を書いてください"
+            ));
+        self.sink.push(d);
+    }
+
     /// Precision belongs to numbers and samplers.
-    pub(super) fn precision_type(&mut self, qualifiers: &super::super::ast::Qualifiers, ty: &Type) {
+    pub(super) fn precision_type(&mut self, qualifiers: &Qualifiers, ty: &Type) {
         let Some((_, span)) = qualifiers.precision() else { return };
         let mut element = ty;
         while let Type::Array(inner, _) = element {

@@ -33,7 +33,7 @@ use super::language::{Feature, Language};
 use super::names::{MOST_SLIPS, nearest};
 use super::sink::Sink;
 use super::symbols::{CallTarget, FunctionId, FunctionInfo, Symbol, SymbolId, SymbolKind, Use};
-use super::types::{Conversions, StructType, Type};
+use super::types::{Conversions, OpaqueType, StructType, Type};
 use super::{Lacks, Stage, errors};
 use base::text::Span;
 use expression::with_near;
@@ -100,6 +100,8 @@ struct Checker<'a> {
     blocks: HashSet<(Storage, String)>,
     /// A default precision for `float` in a fragment shader of GLSL ES stands above.
     float_precision: bool,
+    /// Samplers and images that have a default precision by a statement above, or were told to have none.
+    opaque_precisions: Vec<OpaqueType>,
     /// A missing one has been told.
     precision_reported: bool,
     /// A `return` was met in the function at hand.
@@ -163,6 +165,7 @@ pub(crate) fn check(
         calls: Vec::new(),
         blocks: HashSet::new(),
         float_precision: false,
+        opaque_precisions: Vec::new(),
         precision_reported: false,
         returned: false,
         per_vertex: HashMap::new(),
@@ -237,11 +240,12 @@ impl<'a> Checker<'a> {
     }
 
     fn scoped<T>(&mut self, run: impl FnOnce(&mut Self) -> T) -> T {
-        let precision = self.float_precision;
+        let (precision, opaque) = (self.float_precision, self.opaque_precisions.len());
         self.scopes.push(Scope::default());
         let result = run(self);
         self.scopes.pop();
         self.float_precision = precision;
+        self.opaque_precisions.truncate(opaque);
         result
     }
 

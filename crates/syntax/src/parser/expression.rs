@@ -247,6 +247,16 @@ impl Parser<'_> {
             Lex::Number => {
                 let text = self.tok(0).text(&self.file).to_owned();
                 self.advance();
+                if number::lacks_point(&text) {
+                    let digits = &text[..text.len() - 1];
+                    let error = self
+                        .sink
+                        .start(errors::LITERAL, start, format!("`{text}` is no number of GLSL"))
+                        .with_label("lacks a point")
+                        .with_why("the suffix `f` stands behind a fraction or an exponent")
+                        .with_help(format!("write `{digits}.0`"));
+                    self.sink.push(error);
+                }
                 let kind = match number::literal(&text) {
                     Ok(literal) => ExprKind::Literal(literal),
                     // Integers of 64 bits, and what else an extension that is not known here may bring.

@@ -24,7 +24,7 @@ const LATE: &[(&str, Since)] = &[
     ("shared", (430, 310, &["ARB_compute_shader"])),
     ("smooth", (130, 300, &["EXT_gpu_shader4"])),
     ("flat", (130, 300, &["EXT_gpu_shader4"])),
-    ("noperspective", (130, NEVER, &["EXT_gpu_shader4"])),
+    ("noperspective", (130, NEVER, &["EXT_gpu_shader4", "NV_shader_noperspective_interpolation"])),
     ("switch", (130, 300, &[])),
     ("case", (130, 300, &[])),
     ("default", (130, 300, &[])),

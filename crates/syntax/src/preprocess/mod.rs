@@ -57,13 +57,21 @@ struct Preprocessor<'a> {
     plain: Option<plain::State>,
 }
 
-/// Runs all directives. `defines` are macros that are given from outside, as by a compiler's option; `before` is
-/// the version that a text states which stands before this one and is not here: names may be declared there. The
-/// settings stand in the order of the text.
+/// A text that stands before another and is not here.
+#[derive(Clone, Debug)]
+pub(crate) struct InFront {
+    /// The version that it states.
+    pub version: Version,
+    /// True where it is known to declare names as well: what the other text lacks is not told then.
+    pub names: bool,
+}
+
+/// Runs all directives. `defines` are macros that are given from outside, as by a compiler's option. The settings stand
+/// in the order of the text.
 pub(crate) fn run(
     pieces: &Pieces,
     (defines, settings): (&[(String, String)], &[Setting]),
-    before: Option<Version>,
+    before: Option<InFront>,
     sink: &mut Sink,
 ) -> Preprocessed {
     let mut this = Preprocessor::new(defines, before, sink);
@@ -73,7 +81,7 @@ pub(crate) fn run(
 }
 
 impl<'a> Preprocessor<'a> {
-    fn new(defines: &'a [(String, String)], before: Option<Version>, sink: &'a mut Sink) -> Self {
+    fn new(defines: &'a [(String, String)], before: Option<InFront>, sink: &'a mut Sink) -> Self {
         // Who defines `GL_ES` means a compiler of GLSL ES, in which a text without a version is of the first.
         let assumed = match defines.iter().any(|(name, _)| name == "GL_ES") {
             true => Version { number: 100, profile: Profile::Es, span: None },
@@ -87,8 +95,8 @@ impl<'a> Preprocessor<'a> {
             conditionals: Vec::new(),
             pending: Vec::new(),
             out: Vec::new(),
-            incomplete: before.is_some(),
-            version: before.unwrap_or(assumed),
+            incomplete: before.as_ref().is_some_and(|before| before.names),
+            version: before.map_or(assumed, |before| before.version),
             extensions: Vec::new(),
             line_shift: 0,
             begun: false,

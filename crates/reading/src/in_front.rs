@@ -1,0 +1,103 @@
+//! What the host code and the pieces of a project may put in front of its shaders.
+
+use std::collections::{HashMap, HashSet};
+
+use base::diagnostic::Diagnostic;
+use hosts::HostFile;
+use hosts::script::InFront;
+use syntax::TokenKind;
+use syntax::errors::{self, Around};
+
+use super::open;
+use super::project::{Project, ShaderFile};
+
+/// Words of what may stand in front of the shaders of a project.
+pub struct Fronts {
+    words: InFront,
+    /// Those of the scripts of pages, which nothing else uses, by the page.
+    pages: HashMap<String, InFront>,
+    /// Host code rewrites the names that begin with `gl_`.
+    renames: bool,
+}
+
+impl Fronts {
+    /// Words of pieces, and those of texts that host code writes and that are no whole shader.
+    pub fn of(project: &Project) -> Self {
+        let mut names = HashSet::new();
+        let mut add = |text: &str| {
+            let words = text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+            names.extend(words.filter(|w| w.len() > 1).map(str::to_owned));
+        };
+        for (_, shader) in project.shader_files() {
+            let is_piece = match shader.shader.wgsl() {
+                Some(module) => module.entry_points.is_empty(),
+                None => shader.shader.function("main").is_none(),
+            };
+            if is_piece {
+                let shader = &shader.shader;
+                let code =
+                    shader.tokens().iter().filter(|t| t.kind == TokenKind::Word).map(|t| shader.file().slice(t.span));
+                code.for_each(&mut add);
+            }
+        }
+        let (scripts, hosts): (Vec<&HostFile>, Vec<&HostFile>) = project.hosts().partition(|host| host.is_script());
+        for host in hosts {
+            let mut at = 0;
+            for line in host.file.text().split_inclusive('\n') {
+                // What a whole shader in a literal declares is its own.
+                if let Some(text) = written(line).filter(|_| !host.embedded().iter().any(|e| e.place.contains(at))) {
+                    add(text);
+                }
+                at += line.len();
+            }
+        }
+        let renames = scripts.iter().any(|host| rewrites(host.file.text()));
+        let mut words = InFront::Words(names);
+        let mut pages = HashMap::new();
+        for host in scripts {
+            match &host.place {
+                Some(place) => drop(pages.insert(place.document.clone(), InFront::of(host))),
+                None => words.add(InFront::of(host)),
+            }
+        }
+        Self { words, pages, renames }
+    }
+
+    /// True where what may stand in front of a shader may take away an error that was found in it.
+    pub fn may_take_away(&self, shader: &ShaderFile, error: &Diagnostic) -> bool {
+        let word = error.file.slice(error.span);
+        let host = shader.origin.as_ref().map(|origin| origin.host.name());
+        let page =
+            host.and_then(|name| self.pages.get(name.trim_end_matches(|c: char| c.is_ascii_digit() || c == ':')));
+        let all = || [Some(&self.words), page].into_iter().flatten();
+        if open::is_about_a_name(error) {
+            return all().any(|words| match words {
+                InFront::Words(words) => words.contains(word),
+                // What is put together goes in front of texts of scripts.
+                InFront::Any => host.is_some(),
+            });
+        }
+        if error.code == errors::RESERVED {
+            return self.renames && word.starts_with("gl_");
+        }
+        let states =
+            || ["version", "extension", "precision"].iter().any(|word| all().any(|words| words.may_have(word)));
+        let is_string = shader.origin.is_some() && shader.shader.version().span.is_none();
+        is_string && open::rests(error).contains(Around::ENABLED) && states()
+    }
+}
+
+/// The part of a line of host code that is GLSL in quotes: a definition or a declaration.
+fn written(line: &str) -> Option<&str> {
+    let quoted = &line[line.find('"')? + 1..];
+    let starts =
+        ["#define ", "uniform ", "const ", "in ", "out ", "varying ", "attribute ", "layout", "struct ", "\\n#define "];
+    let declares = |start: &&str| quoted.trim_start().starts_with(*start) && quoted.len() > start.len();
+    starts.iter().any(declares).then_some(quoted)
+}
+
+/// True for host code with the beginning of all names of the language alone: `/\bgl_\w+/`, `'gl_'`.
+fn rewrites(text: &str) -> bool {
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    text.match_indices("gl_").any(|(at, mark)| !text[at + mark.len()..].starts_with(is_part))
+}
