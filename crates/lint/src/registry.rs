@@ -74,6 +74,7 @@ pub const RULES: &[&Rule] = &[
     &program::block_drift::RULE,
     &glsl::location_twice::RULE,
     &glsl::function_without_body::RULE,
+    &glsl::resource_index_not_uniform::RULE,
     // K. Compute kernels: work groups and their memory.
     &glsl::missing_barrier::RULE,
     &glsl::unguarded_invocation::RULE,

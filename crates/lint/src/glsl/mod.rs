@@ -106,6 +106,7 @@ pub(super) mod pow_zero_exponent_zero;
 pub(super) mod quotient_below_zero;
 pub(super) mod remainder_of_negative;
 pub(super) mod reserved_identifier;
+pub(super) mod resource_index_not_uniform;
 pub(super) mod rounding_order;
 pub(super) mod rows_counted_in_workgroups;
 pub(super) mod same_element_each_round;

@@ -4,6 +4,7 @@ use analysis::forms::{Forms, builtin};
 use analysis::numeric::BuiltinCall;
 use analysis::range::{Observed, Range};
 use syntax::Shader;
+use syntax::ast::{Callee, ExprId, ExprKind};
 
 use crate::Level;
 
@@ -21,6 +22,16 @@ pub fn cosine<'s>(
     let (_, args) = builtin(shader, forms.value(*call.args.first()?), &["dot"])?;
     let [a, b] = args else { return None };
     (shader.text_of(*a) != shader.text_of(*b)).then_some((Level::Strict, *range))
+}
+
+/// True for constants and for vectors of them.
+pub fn is_constant(shader: &Shader, id: ExprId) -> bool {
+    shader.fold(id).is_some()
+        || match &shader.expr(id).kind {
+            ExprKind::Paren(inner) => is_constant(shader, *inner),
+            ExprKind::Call { callee: Callee::Type(_), args } => args.iter().all(|a| is_constant(shader, *a)),
+            _ => false,
+        }
 }
 
 /// Things that rules about numbers need in their tests.

@@ -2,12 +2,13 @@
 
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::range::{Observed, Range};
-use base::diagnostic::{Code, Safety, Severity, message};
+use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::Edit;
 use reading::{Project, ShaderFile};
 use syntax::ast::ExprId;
 
-use analysis::numeric::{calls, in_place, is_plain};
+use super::numeric::is_constant;
+use analysis::numeric::{BuiltinCall, calls, in_place, is_plain};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -28,10 +29,41 @@ fn reversed(observed: &Observed, call: ExprId, lo: usize, hi: usize, equal_too: 
     })
 }
 
+/// `clamp(0.0, 1.0, x)`: a constant between a constant and what was to be limited.
+fn mixed_up(file: &ShaderFile, call: &BuiltinCall<'_>, findings: &Findings<'_>) -> Option<Diagnostic> {
+    let shader = &file.shader;
+    let [first, second, third] = *call.args else { return None };
+    let is_constant = |id| is_constant(shader, id);
+    if call.name != "clamp" || !is_constant(first) || !is_constant(second) || is_constant(third) {
+        return None;
+    }
+    let (a, b, x) = (shader.text_of(first), shader.text_of(second), shader.text_of(third));
+    let found = findings
+        .at(
+            &file.file,
+            shader.expr(call.id).span,
+            message!(
+                "`clamp` limits the constant `{a}`, and not `{x}`",
+                "`clamp` が `{x}` ではなく定数 `{a}` を制限しています"
+            ),
+        )
+        .with_label(message!("the value comes first", "値は最初の引数です"))
+        .with_why(message!("the arguments are the value, the least and the greatest", "引数は値・下限・上限の順です"))
+        .with_help(message!("write `clamp({x}, {a}, {b})`", "`clamp({x}, {a}, {b})` と書いてください"));
+    let edits = vec![Edit::replace(shader.expr(call.id).span, format!("clamp({x}, {a}, {b})"))];
+    let title = message!("put the value first", "値を最初に書く");
+    let plain = is_plain(shader, &[call.id, first, second, third]);
+    Some(if plain { found.with_fix(title, Safety::Unsafe, edits) } else { found })
+}
+
 fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
     let shader = &file.shader;
     let observed = file.observed(project);
     for call in calls(shader, &["clamp", "smoothstep"]) {
+        if let Some(found) = mixed_up(file, &call, findings) {
+            findings.push(found);
+            continue;
+        }
         let smooth = call.name == "smoothstep";
         let (lo, hi) = if smooth { (0, 1) } else { (1, 2) };
         let Some((low, high)) = reversed(&observed, call.id, lo, hi, smooth) else { continue };
@@ -99,6 +131,8 @@ mod tests {
                 "v = smoothstep(vec3(0.5), vec3(0.6, 0.4, 0.7), p);",
                 "r = clamp(s, 2.0 + abs(t), 1.0);",
                 "float w = 0.1; r = smoothstep(0.5 + w, 0.5 - w, s);",
+                "r = clamp(0.0, 1.0, s);",
+                "v = clamp(vec3(0.0), vec3(1.0), p);",
             ],
         );
     }
@@ -112,6 +146,8 @@ mod tests {
                 "r = clamp(s, 0.0, 1.0);",
                 "r = clamp(s, 1.0, 1.0);",
                 "r = clamp(s, t, 1.0);",
+                "r = clamp(0.5, s, t);",
+                "r = clamp(0.5, 0.0, 1.0);",
                 "r = smoothstep(t, s, p.x);",
                 "r = smoothstep(0.5 - fwidth(s), 0.5 + fwidth(s), s);",
                 "r = smoothstep(0.0, declared, s);",

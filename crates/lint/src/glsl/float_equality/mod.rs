@@ -5,7 +5,9 @@ use analysis::forms::builtin;
 use base::diagnostic::{Code, Severity, message};
 use reading::ShaderFile;
 use syntax::Shader;
-use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind};
+use syntax::ast::{BinaryOp, ExprId, ExprKind};
+
+use super::numeric::is_constant;
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -56,16 +58,6 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
 /// True for remainders, which devices compute by a division that is rounded: they miss 0 by a little, or by the divisor.
 fn is_inexact(shader: &Shader, id: ExprId) -> bool {
     builtin(shader, id, &["mod", "fract"]).is_some()
-}
-
-/// True for constants and for vectors of them.
-fn is_constant(shader: &Shader, id: ExprId) -> bool {
-    shader.fold(id).is_some()
-        || match &shader.expr(id).kind {
-            ExprKind::Paren(inner) => is_constant(shader, *inner),
-            ExprKind::Call { callee: Callee::Type(_), args } => args.iter().all(|a| is_constant(shader, *a)),
-            _ => false,
-        }
 }
 
 #[cfg(test)]
