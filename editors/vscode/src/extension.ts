@@ -6,6 +6,7 @@ import { tmpdir } from "node:os";
 import * as path from "node:path";
 import * as vscode from "vscode";
 import { LanguageClient } from "vscode-languageclient/node";
+import { serverOptions } from "./options";
 import { find, run } from "./program";
 import { page } from "./results";
 import { suites } from "./suites";
@@ -32,7 +33,6 @@ function program(): string | undefined {
 async function start(): Promise<void> {
   const command = program();
   if (!command) return;
-  const lang = settings().get<string>("lang", "auto");
   const languages = settings().get<boolean>("hosts", true) ? [...SHADERS, ...HOSTS] : SHADERS;
   client = new LanguageClient(
     "shadercheck",
@@ -40,7 +40,7 @@ async function start(): Promise<void> {
     // Without a transport, the streams are taken and no option is added.
     { command, args: ["lsp"] },
     {
-      initializationOptions: lang === "auto" ? {} : { lang },
+      initializationOptions: serverOptions(settings()),
       documentSelector: languages.map((language) => ({ scheme: "file", language })),
       middleware: { window: { showDocument: (params) => beside(vscode.Uri.parse(params.uri)) } },
       synchronize: { fileEvents: vscode.workspace.createFileSystemWatcher("**/shadercheck.toml") },

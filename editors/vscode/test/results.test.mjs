@@ -8,7 +8,17 @@ import { load, program } from "./build.mjs";
 
 const { find, run } = await load("program");
 const { results, nameOf, page } = await load("results");
+const { serverOptions } = await load("options");
 const folder = () => mkdtempSync(path.join(tmpdir(), "shadercheck-vscode-"));
+
+test("the server gets the settings that are stated", () => {
+  const given = (stated) => serverOptions({ get: (name, otherwise) => stated[name] ?? otherwise });
+  const hints = { conversions: true, offsets: true };
+  assert.deepEqual(given({}), { hints });
+  const stated = { lang: "ja", level: "strict", select: ["T"], ignore: ["N004"], rulePages: "https://a.example" };
+  assert.deepEqual(given(stated), { ...stated, hints });
+  assert.deepEqual(given({ "hints.offsets": false }).hints, { ...hints, offsets: false });
+});
 
 test("the program comes from the setting, or from PATH", () => {
   const at = folder();
