@@ -43,6 +43,12 @@ assert data.inputs["parameter"].shape == (500, 2) and data.case("mc").shape == (
 assert data.within(data.nearest["gl_Position"], "gl_Position").all()
 off = expected + 3.0 * np.where(np.isfinite(bound), bound, 0.0) + 1e-6
 assert not data.within(off, "gl_Position").all() and not data.within(np.full_like(expected, np.nan), "gl_Position").any()
+for wrong, name, part in [(expected[:, :3], "gl_Position", "shape (500, 3), and"), (expected, "colour", "gl_Position")]:
+    try:
+        data.within(wrong, name)
+        sys.exit("an array that does not fit was compared")
+    except (KeyError, ValueError) as error:
+        assert part in str(error), error
 np.savez("other.npz", a=np.zeros(3))
 try:
     shadercheck.read("other.npz")

@@ -40,9 +40,15 @@ class RefData:
 
     def within(self, actual, name):
         """Which elements of ``actual`` are within their bounds. NaN is within none."""
+        if name not in self.expected:
+            raise KeyError(f"there is no output {name!r}; the outputs are {', '.join(self.expected)}")
         if name not in self.bound:
-            raise KeyError(f"`{name}` has no bound; generate the file with a profile")
-        off = np.abs(np.asarray(actual, dtype=np.float64) - self.expected[name])
+            raise KeyError(f"{name!r} has no bound; generate the file with a profile")
+        actual = np.asarray(actual, dtype=np.float64)
+        wanted = self.expected[name].shape
+        if actual.shape != wanted:
+            raise ValueError(f"the array has shape {actual.shape}, and {name!r} has {wanted}: one row for each sample")
+        off = np.abs(actual - self.expected[name])
         return off <= self.bound[name].astype(np.float64)
 
 
