@@ -1,5 +1,4 @@
-# Formula for a tap, which builds from source. `dist` writes one for the binaries of a release. OWNER, the address and the sum
-# are those of the release: deploy/release.md.
+# Formula for a tap, which builds from source. The sum is that of the release's source archive: deploy/release.md.
 class Shadercheck < Formula
   desc "Property tests, lint and reference data for shaders, on a machine without a GPU"
   homepage "https://github.com/OWNER/shadercheck"

@@ -20,8 +20,9 @@ use runner::{Event, Runner};
 const ACTION: &str = "action.yml";
 const WORKFLOW: &str = "deploy/github/workflow.yml";
 const GITLAB: &str = "deploy/gitlab/.gitlab-ci.yml";
-/// The workflow of this repository.
+/// The workflows of this repository.
 const PROJECT: &str = ".github/workflows/ci.yml";
+const RELEASE: &str = ".github/workflows/release.yml";
 
 fn text(path: &str) -> String {
     fs::read_to_string(root().join(path)).unwrap()
@@ -56,6 +57,23 @@ fn the_workflow_of_the_project_runs_everything_and_has_keys_that_are_known() {
     assert!(workflow.lines().any(|line| line.trim() == "- run: .ci/run"), "{workflow}");
     assert!(root().join(".ci/run").is_file());
     assert_eq!(faults(&workflow.replacen("runs-on", "run-on", 1)).len(), 1);
+}
+
+#[test]
+fn the_workflow_of_a_release_has_keys_and_values_that_are_known() {
+    let faults = |workflow: &str| keys::faults(&text(ACTION), workflow, &text(GITLAB));
+    let workflow = text(RELEASE);
+    assert_eq!(faults(&workflow), Vec::<String>::new());
+    for (from, to, part) in [
+        ("tags:", "tag:", "unknown field `tag`"),
+        ("id-token: write", "id-tokens: write", "unknown variant `id-tokens`"),
+        ("needs: [build, wheels]", "needs: [build, wheel]", "there is no job `wheel`"),
+        ("${{ matrix.target }}", "${{ matrix.triple }}", "the matrix has no `triple`"),
+        ("subject-path:", "subject:", "has no input `subject`"),
+    ] {
+        let planted = faults(&workflow.replacen(from, to, 1));
+        assert!(planted.iter().any(|fault| fault.contains(part)), "`{to}`: {planted:?}");
+    }
 }
 
 #[test]
@@ -171,6 +189,10 @@ fn the_action_does_what_its_inputs_say() {
         "Lint and check",
     ];
     assert_eq!(runner.would_run()[..6], wanted);
+    // The linter runs no shader.
+    let mut linter = Runner::new(&text(ACTION), folder.path(), &[("drivers", "true"), ("run", "lint")]);
+    linter.only_conditions();
+    assert!(!linter.would_run().contains(&wanted[0]), "{:?}", linter.would_run());
 }
 
 /// What the script that downloads a release says, and whether it leaves a program; `spoil` changes the archive.

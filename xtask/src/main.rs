@@ -11,6 +11,7 @@ mod host;
 mod not_run;
 mod opengl;
 mod package;
+mod repository;
 mod setup;
 mod site;
 #[cfg(unix)]
@@ -50,6 +51,9 @@ usage: cargo xtask <task> [arguments]
                     into an empty folder and lint a shader with it; --program packages FILE, --lint builds the linter
                     alone; formats that are named are made, or else all whose tools are installed; --papers writes what
                     comes with the program to FOLDER, and packages nothing
+  repository [ADDRESS]
+                    check that the files say where the project is; write ADDRESS, such as https://github.com/NAME/shadercheck,
+                    into all that name it
   soundness [--samples N] [--seed N] [SUITE.toml...]
                     judge devices that err as far as they may, 100 million samples unless told
                     otherwise, on suite files that are named or the chapter's; status 1 when one of them is accused
@@ -89,9 +93,9 @@ fn run(arguments: Vec<OsString>, messages: &mut dyn Write) -> Result<u8> {
     let rest: Vec<OsString> = arguments.collect();
     match task.as_ref().and_then(|t| t.to_str()) {
         // Arguments of the others go on to a program that has a help of its own.
-        Some("tidy" | "book" | "editor" | "package" | "soundness" | "survey" | "piglit" | "slurm-demo")
-            if rest.iter().any(|a| a == "--help" || a == "-h") =>
-        {
+        Some(
+            "tidy" | "book" | "editor" | "package" | "repository" | "soundness" | "survey" | "piglit" | "slurm-demo",
+        ) if rest.iter().any(|a| a == "--help" || a == "-h") => {
             io::stdout().write_all(USAGE.as_bytes())?;
             Ok(0)
         }
@@ -102,6 +106,7 @@ fn run(arguments: Vec<OsString>, messages: &mut dyn Write) -> Result<u8> {
         Some("book") => book::run(&rest, messages),
         Some("editor") => editor::run(&rest, messages),
         Some("package") => package::run(&rest, messages),
+        Some("repository") => repository::run(&rest, messages),
         Some("soundness") => tasks::soundness(&rest),
         #[cfg(unix)]
         Some("slurm-demo") => slurm::run(&rest, messages),
@@ -157,6 +162,7 @@ mod tests {
             "book",
             "editor",
             "package",
+            "repository",
             "soundness",
             "survey",
             "piglit",

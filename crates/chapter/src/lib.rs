@@ -21,6 +21,9 @@ inventory::submit! {
         generators: generators::ALL,
         scenes: scene::ALL,
         suites: SUITES,
-        expectations: Some(("shaders/expectations.toml", include_str!("../../../shaders/expectations.toml"))),
+        expectations: Some((
+            "shaders/expectations.toml",
+            include_str!(concat!(env!("SHADERCHECK_SHADERS"), "/expectations.toml")),
+        )),
     }
 }

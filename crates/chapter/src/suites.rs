@@ -8,9 +8,9 @@ macro_rules! suites {
         &[$(ShippedSuite {
             name: $name,
             path: concat!($folder, "/", $name, ".suite.toml"),
-            toml: include_str!(concat!("../../../shaders/", $folder, "/", $name, ".suite.toml")),
+            toml: include_str!(concat!(env!("SHADERCHECK_SHADERS"), "/", $folder, "/", $name, ".suite.toml")),
             shader_name: concat!($name, ".", $extension),
-            shader_text: include_str!(concat!("../../../shaders/", $folder, "/", $name, ".", $extension)),
+            shader_text: include_str!(concat!(env!("SHADERCHECK_SHADERS"), "/", $folder, "/", $name, ".", $extension)),
         }),*]
     };
 }

@@ -256,7 +256,7 @@ impl Document {
 
 /// The JSON Schema of the JSON format.
 pub fn schema() -> &'static str {
-    include_str!("../../../docs/refdata.schema.json")
+    include_str!(env!("SHADERCHECK_REFDATA_SCHEMA"))
 }
 
 #[cfg(test)]

@@ -91,12 +91,18 @@ struct Filter {
     #[serde(default)]
     #[expect(dead_code, reason = "only its type is looked at")]
     branches: Vec<String>,
+    #[serde(default)]
+    #[expect(dead_code, reason = "only its type is looked at")]
+    tags: Vec<String>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum Scope {
+    Attestations,
     Contents,
+    IdToken,
+    Packages,
     SecurityEvents,
 }
 
@@ -114,20 +120,54 @@ struct Job {
     #[serde(rename = "if")]
     condition: Option<String>,
     runs_on: String,
-    needs: Option<String>,
+    #[serde(default)]
+    needs: Needs,
     #[serde(default)]
     #[expect(dead_code, reason = "only its type is looked at")]
+    permissions: BTreeMap<Scope, Access>,
+    #[serde(default)]
     strategy: Strategy,
     steps: Vec<Step>,
 }
 
+/// One job or a list.
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum Needs {
+    One(String),
+    Several(Vec<String>),
+}
+
+impl Default for Needs {
+    fn default() -> Self {
+        Self::Several(Vec::new())
+    }
+}
+
+impl Needs {
+    fn jobs(&self) -> &[String] {
+        match self {
+            Self::One(job) => std::slice::from_ref(job),
+            Self::Several(jobs) => jobs,
+        }
+    }
+}
+
 #[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-#[expect(dead_code, reason = "only types are looked at")]
 struct Strategy {
     #[serde(default)]
     matrix: BTreeMap<String, Vec<Value>>,
+    #[expect(dead_code, reason = "only its type is looked at")]
     fail_fast: Option<bool>,
+}
+
+impl Strategy {
+    /// Whether the matrix has a value of this name for some job.
+    fn has(&self, name: &str) -> bool {
+        let listed = self.matrix.get("include").into_iter().flatten();
+        self.matrix.contains_key(name) || listed.filter_map(Value::as_mapping).any(|one| one.contains_key(name))
+    }
 }
 
 #[derive(Debug, Deserialize)]
@@ -189,6 +229,7 @@ const OTHERS: &[(&str, &[&str])] = &[
     ("actions/cache", &["path", "key", "restore-keys"]),
     ("actions/upload-artifact", &["name", "path", "if-no-files-found", "retention-days"]),
     ("actions/download-artifact", &["name", "path", "pattern", "merge-multiple"]),
+    ("actions/attest-build-provenance", &["subject-path"]),
     ("github/codeql-action/upload-sarif", &["sarif_file", "category"]),
 ];
 /// The action itself, as a workflow of somebody else names it.
@@ -234,8 +275,15 @@ fn of_workflow(workflow: &Workflow, action: Option<&Action>, faults: &mut Vec<St
         let at = format!("workflow.yml, {name}");
         of_steps(&at, &job.steps, None, action, faults);
         of_expressions(&at, job.condition.iter().map(String::as_str), &[], None, faults);
-        if let Some(needed) = job.needs.as_ref().filter(|needed| !workflow.jobs.contains_key(*needed)) {
+        for needed in job.needs.jobs().iter().filter(|needed| !workflow.jobs.contains_key(*needed)) {
             faults.push(format!("{at}: there is no job `{needed}`"));
+        }
+        let used = job.steps.iter().flat_map(|step| step.run.iter().chain(&step.condition).chain(&step.name));
+        let used = used.chain([&job.runs_on]).flat_map(|text| text.split("matrix.").skip(1));
+        for name in used.filter_map(|rest| rest.split(|c: char| !c.is_alphanumeric() && c != '_').next()) {
+            if !job.strategy.has(name) {
+                faults.push(format!("{at}: the matrix has no `{name}`"));
+            }
         }
         if job.runs_on.is_empty() {
             faults.push(format!("{at}: it runs nowhere"));
@@ -329,7 +377,8 @@ fn of_expressions<'t>(
             (
                 ["runner", "os" | "arch" | "temp"]
                 | ["strategy", "job-index" | "job-total"]
-                | ["github", "ref" | "action_ref" | "action_repository"],
+                | ["github", "ref" | "action_ref" | "action_repository" | "token"]
+                | ["matrix" | "vars" | "secrets", _],
                 _,
             ) => {}
             (other, _) => faults.push(format!("{at}: `{}` is not known", other.join("."))),

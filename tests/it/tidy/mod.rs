@@ -7,6 +7,7 @@ mod dependencies;
 mod lengths;
 mod links;
 mod paths;
+mod publish;
 mod readme;
 mod suites;
 mod unsafe_code;

@@ -39,16 +39,40 @@ fn archive(staged: &Staged, out: &Path) -> Result<Vec<PathBuf>> {
         fs::remove_dir_all(&folder)?;
     }
     copy(&staged.folder, &inside)?;
+    if cfg!(windows) {
+        // A zip, by its ending, with the program at the top.
+        let file = out.join(format!("{name}.zip"));
+        step(tar().arg("-acf").arg(&file).arg("-C").arg(&inside).arg("."))?;
+        return Ok(vec![file]);
+    }
     let file = out.join(format!("{name}.tar.gz"));
-    // The same bytes for the same files.
-    let fixed = ["--sort=name", "--owner=0", "--group=0", "--numeric-owner", "--mtime=@0"];
-    step(Command::new("tar").args(fixed).arg("-C").arg(&folder).arg("-czf").arg(&file).arg(&name))?;
+    // The same bytes for the same files; the tar of macOS cannot.
+    let fixed: &[&str] = &["--sort=name", "--owner=0", "--group=0", "--numeric-owner", "--mtime=@0"];
+    let fixed = if cfg!(target_os = "linux") { fixed } else { &[] };
+    step(tar().args(fixed).arg("-C").arg(&folder).arg("-czf").arg(&file).arg(&name))?;
     Ok(vec![file])
 }
 
+/// The tar of the system: a shell of Windows has another one, which knows no zip.
+fn tar() -> Command {
+    let system = std::env::var_os("SystemRoot").filter(|_| cfg!(windows));
+    Command::new(system.map_or_else(|| PathBuf::from("tar"), |root| Path::new(&root).join("System32/tar.exe")))
+}
+
 fn install_archive(files: &[PathBuf], folder: &Path) -> Result<PathBuf> {
-    step(Command::new("tar").arg("-xzf").arg(&files[0]).arg("-C").arg(folder).arg("--strip-components=1"))?;
-    Ok(folder.join("shadercheck"))
+    let strip: &[&str] = if cfg!(windows) { &[] } else { &["--strip-components=1"] };
+    step(tar().arg("-xf").arg(&files[0]).arg("-C").arg(folder).args(strip))?;
+    Ok(folder.join(format!("shadercheck{}", std::env::consts::EXE_SUFFIX)))
+}
+
+/// The oldest glibc that has all that a program names, such as `2.28`.
+fn glibc(program: &[u8]) -> Option<String> {
+    let digits = |text: &[u8]| text.iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let versions = program.windows(8).enumerate().filter(|(_, window)| *window == b"GLIBC_2.").filter_map(|(at, _)| {
+        let rest = &program[at + 8..];
+        std::str::from_utf8(&rest[..digits(rest)]).ok()?.parse::<u32>().ok()
+    });
+    versions.max().map(|minor| format!("2.{minor}"))
 }
 
 /// A package for Debian and what derives from it.
@@ -88,9 +112,11 @@ fn deb(staged: &Staged, out: &Path) -> Result<Vec<PathBuf>> {
         Some("aarch64") => "arm64",
         other => other.unwrap_or("any"),
     };
+    let needs = glibc(&fs::read(root.join("usr/bin/shadercheck"))?);
+    let needs = needs.map_or_else(|| "libc6".into(), |version| format!("libc6 (>= {version})"));
     let control = format!(
         "Package: shadercheck\nVersion: {}\nArchitecture: {architecture}\nMaintainer: shadercheck <noreply@invalid>\n\
-         Installed-Size: {size}\nDepends: libc6, libgcc-s1\nRecommends: mesa-vulkan-drivers, libvulkan1\n\
+         Installed-Size: {size}\nDepends: {needs}, libgcc-s1\nRecommends: mesa-vulkan-drivers, libvulkan1\n\
          Suggests: glslang-tools\nSection: devel\nPriority: optional\n\
          Description: property tests, lint and reference data for shaders\n \
          Lints GLSL and WGSL and the code that feeds them, runs shaders on many inputs\n \
@@ -211,12 +237,18 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_newest_version_of_glibc_that_is_named_is_needed() {
+        assert_eq!(glibc(b"\0GLIBC_2.9\0GLIBC_2.28\0GLIBC_2.3.4\0GLIBC_PRIVATE\0").as_deref(), Some("2.28"));
+        assert_eq!(glibc(b"static"), None);
+    }
+
+    #[test]
     fn every_platform_of_the_npm_package_is_one_that_is_built() {
         let json: Value = serde_json::from_str(include_str!("../../../deploy/npm/package.json")).unwrap();
         let listed: Vec<&String> = json["optionalDependencies"].as_object().unwrap().keys().collect();
-        let dist = include_str!("../../../dist-workspace.toml");
-        let targets: Vec<&str> = dist.split('"').filter(|word| platform(word).is_some()).collect();
-        assert_eq!((listed.len(), targets.len()), (5, 5), "{dist}");
+        let release = include_str!("../../../.github/workflows/release.yml");
+        let targets: Vec<&str> = release.split([' ', ',']).filter(|word| platform(word).is_some()).collect();
+        assert_eq!((listed.len(), targets.len()), (5, 5), "{release}");
         for target in targets {
             let (os, cpu) = platform(target).unwrap();
             assert!(listed.contains(&&format!("@shadercheck/cli-{os}-{cpu}")), "{target}");
