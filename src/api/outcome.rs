@@ -1,12 +1,21 @@
 //! What came of a check.
 
+use std::fmt;
+
 use thiserror::Error;
 
 /// Why nothing could be checked: a shader that does not compile, inputs that do not fit it, no lane.
-#[derive(Clone, Debug, Error)]
+#[derive(Clone, Error)]
 #[error("{message}")]
 pub struct Error {
     pub(super) message: String,
+}
+
+/// The message itself: `unwrap` in a test prints it with its lines, as `?` does.
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
 }
 
 impl Error {

@@ -43,6 +43,13 @@ use watched::Watched;
 
 /// Arguments of `shadercheck check`.
 #[derive(Args, Clone, Debug, Default)]
+#[command(after_long_help = "\
+Verdicts. Every sample is judged on every lane: a driver, or the interpreter that is built in, together with a way to run \
+shaders on it. It agreed, deviated, or is undetermined, which is to say inconclusive: it has no value, its bound is not \
+finite or too wide, or the API promises nothing there. The report gives the reason.
+
+Exit status: 0 clean; 1 findings; 2 usage, a suite that is wrong, a lane of --lane or --require-lane that is unavailable, \
+or nothing could be run.")]
 pub struct CheckArgs {
     /// Suite files (*.suite.toml), shaders with suites beside them, folders that are searched, and shipped suites by name
     /// [default: the current folder]
@@ -55,7 +62,7 @@ pub struct CheckArgs {
     /// of a document
     #[arg(long, value_name = "FILE")]
     pub shader: Option<PathBuf>,
-    /// Only these lanes; exit status 2 if one of them is unavailable
+    /// Only these lanes, of those that `shadercheck lanes` lists; exit status 2 if one of them is unavailable
     #[arg(long, value_name = "LANE", value_delimiter = ',')]
     pub lane: Vec<String>,
     /// Exit status 2 if one of these lanes is unavailable or judges no sample

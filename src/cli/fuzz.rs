@@ -38,24 +38,25 @@ const SAMPLES: u64 = 1 << 16;
 Inputs. Three samples in four are realistic: the name, type and use of an input decide what it stands for, such \
 as a direction of length 1, a colour, texture coordinates, a view, or weights that add up to one; a normal \
 matrix follows from its model matrix, and the inputs of a fragment shader are interpolated. The report gives the \
-guess for each input. The other samples are hostile: ordinary sizes (0, and 1/1024 to 1024 of either sign, \
+guess for each input. The other samples are arbitrary: ordinary sizes (0, and 1/1024 to 1024 of either sign, \
 spread evenly over the magnitudes), special values, related inputs (equal, parallel and nearly equal vectors, \
-zero vectors, directions, identity and singular matrices), and now and then any finite number. With --hostile, \
-all samples are hostile. A comment before the function states domains,
+zero vectors, directions, identity and singular matrices), and now and then any finite number. With --arbitrary, \
+all samples are arbitrary. A comment before the function states domains,
 
   // shadercheck: x in [0, 1], t > 0, normalised n, nonzero v, rotation m, whole k
 
 and so does --domain. NaN and infinity are never inputs.
 
-Findings. A lane that computes something other than what the function means, or gives different outputs for the \
+Findings. A lane (a driver, or the interpreter that is built in, with a way to run shaders on it) that computes something other than what the function means, or gives different outputs for the \
 same inputs, is a finding. So is an output that has no value, is infinite, is not written, or is lost to \
 overflow or underflow on the way although the real numbers are fine, if the inputs are realistic or lie in their \
-stated domains. If it takes inputs of ordinary size that nobody stated, it is a warning, reported once for each \
-cause; if it takes other inputs, it is a note, and so it is for numbers of a stated range that are nearer to 0 \
-than 2^-64 of it, or beyond 1024 if the range has no end. With --hostile and --case, inputs of ordinary size \
+stated domains. If it takes arbitrary inputs of ordinary size, it is a warning, reported once for each cause; if it \
+takes other inputs, it is a note, and so it is for numbers of a stated range that are nearer to 0 \
+than 2^-64 of it, or beyond 1024 if the range has no end. With --arbitrary and --case, inputs of ordinary size \
 make findings. Outputs that are themselves too large, indices, integers and endless loops are findings only if \
 every input has a stated domain; a signed sum or product that wraps is a note without --strict-integers. A \
-function that loses digits (ill-conditioned) gets a warning.
+function that loses digits (ill-conditioned) gets a warning. A sample is undetermined if it is inconclusive, because the function has no value there or the API \
+promises too little.
 
 Exit status: 0 no finding; 1 findings, or a file that does not compile; 2 usage, a lane of --lane that is \
 unavailable, or nothing could be run.")]
@@ -76,7 +77,7 @@ pub struct FuzzArgs {
     /// Host whose code surrounds each shader [default: recognised from the text]
     #[arg(long, value_name = "NAME", value_parser = super::preludes())]
     pub prelude: Option<String>,
-    /// Only these lanes [default: the first that runs a function, and all others if it deviates]
+    /// Only these lanes, of those that `shadercheck lanes` lists [default: the first that runs a function, and all others if it deviates]
     #[arg(long, value_name = "LANE", value_delimiter = ',')]
     pub lane: Vec<String>,
     /// Run each function on every available lane
@@ -93,7 +94,7 @@ pub struct FuzzArgs {
     pub notes: bool,
     /// Treat all inputs alike, whatever they may stand for: ordinary sizes, special values and extremes
     #[arg(long)]
-    pub hostile: bool,
+    pub arbitrary: bool,
     /// Also report signed sums and products that do not fit 32 bits, although every language lets them wrap
     #[arg(long)]
     pub strict_integers: bool,
@@ -266,8 +267,8 @@ fn command(args: &FuzzArgs, source: &IncludedText) -> String {
     if args.strict_integers {
         words.push_str(" --strict-integers");
     }
-    if args.hostile {
-        words.push_str(" --hostile");
+    if args.arbitrary {
+        words.push_str(" --arbitrary");
     }
     if !args.lane.is_empty() {
         words = format!("{words} --lane {}", args.lane.join(","));

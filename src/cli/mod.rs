@@ -156,12 +156,19 @@ fn lang(given: Option<LangName>) -> Lang {
     }
 }
 
+/// Words that options and reports use.
+#[cfg(feature = "run")]
+const WORDS: &str = "\
+A lane is a driver, or the interpreter that is built in, together with a way to run shaders on it; `shadercheck lanes` \
+lists them. A suite says which inputs a shader gets and what its outputs should be.";
+
 /// Test shaders like other code, on a machine without a GPU
 ///
 /// Exit status: 0 clean; 1 findings or failed cases; 2 usage, configuration or internal error; 130 and 143 when
 /// SIGINT or SIGTERM ended the run.
 #[derive(Parser, Debug)]
 #[command(name = "shadercheck", version, max_term_width = 100)]
+#[cfg_attr(feature = "run", command(after_help = WORDS))]
 pub struct Cli {
     /// When to colour output
     #[arg(long, global = true, value_enum, value_name = "WHEN", default_value_t)]
@@ -216,7 +223,7 @@ pub enum Command {
     /// Join the results of the shards of a run
     #[cfg(feature = "run")]
     Merge(merge::MergeArgs),
-    /// Show what can run shaders here
+    /// Show the lanes: drivers, and the interpreter, that can run shaders here
     #[cfg(feature = "run")]
     Lanes(lanes::LanesArgs),
     /// Measure the errors of a device's operations, beside what is promised

@@ -112,7 +112,7 @@ fn shaders_in_strings_and_files_of_two_stages_are_fuzzed() {
          varying vec2 t;\nvoid main() { gl_FragColor = vec4(t, 0.0, 1.0); }\n",
     );
     let fuzz = |args: &str| run_in(folder.path(), &format!("fuzz {args} --samples 64 --lane embedded"));
-    let ran = fuzz("scene.js --hostile");
+    let ran = fuzz("scene.js --arbitrary");
     assert!(ran.out.contains("scene.js:4:"), "{ran:?}");
     assert!(ran.out.contains("reproduce  shadercheck fuzz scene.js:1 "), "{ran:?}");
     assert!(fuzz("scene.js:1").out.contains("main"));

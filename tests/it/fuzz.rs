@@ -25,7 +25,7 @@ fn request() -> Request {
         seed: 1,
         case: None,
         notes: true,
-        hostile: false,
+        arbitrary: false,
         first_lane: false,
         command: "shadercheck fuzz a.glsl".to_owned(),
     }
@@ -63,8 +63,8 @@ fn strict(subject: &Subject, domain: &str) -> FunctionReport {
 }
 
 /// With all inputs alike.
-fn hostile(subject: &Subject) -> FunctionReport {
-    let request = Request { hostile: true, ..request() };
+fn arbitrary(subject: &Subject) -> FunctionReport {
+    let request = Request { arbitrary: true, ..request() };
     requested(subject, "", &[(&*embedded::open().unwrap(), Promises::of_api(Api::Binary32))], &request)
 }
 
@@ -88,7 +88,7 @@ fn values(finding: &Finding) -> Vec<String> {
 
 #[test]
 fn a_division_that_has_no_value_is_found_at_its_smallest() {
-    let report = hostile(&functions("a.glsl", "float part(float a, float b) { return a / (a + b); }")[0]);
+    let report = arbitrary(&functions("a.glsl", "float part(float a, float b) { return a / (a + b); }")[0]);
     let none = report.findings.iter().find(|f| f.kind == FuzzFindingKind::NoValue).unwrap();
     assert_eq!(none.severity, Severity::Finding);
     assert_eq!(none.message, "`return` has no value: 0.0 / 0.0 has none");
@@ -172,9 +172,9 @@ fn a_function_that_is_right_has_no_findings() {
     assert!(report.findings.is_empty(), "{:?}", report.findings);
     assert_eq!(report.samples, 4096);
     let verdicts = &report.lanes[0].verdicts;
-    let second = &report.lanes[0].hostile;
+    let second = &report.lanes[0].arbitrary;
     assert!(verdicts.agreed + second.agreed > 3900 && verdicts.deviated + second.deviated == 0, "{verdicts:?}");
-    assert_eq!(report.hostile, 1024);
+    assert_eq!(report.arbitrary, 1024);
 }
 
 #[test]
@@ -417,7 +417,7 @@ fn comments_before_a_function_state_its_domain() {
     // What goes into a logarithm is taken for a positive number; others are an error where all inputs are alike.
     let raw = strict(&all[1], "");
     assert!(!raw.fails() && kinds(&raw, Severity::Warning).contains(&FuzzFindingKind::NoValue), "{:?}", raw.findings);
-    assert!(hostile(&all[1]).fails());
+    assert!(arbitrary(&all[1]).fails());
 }
 
 const LIBRARY: &str = "#include \"lib/part.glsl\"\nfloat whole(float a, float b) { return part(a, b) + 1.0; }\n";
@@ -434,7 +434,8 @@ fn folder() -> tempfile::TempDir {
 #[test]
 fn included_files_keep_their_names_and_the_command_shows_it_again() {
     let folder = folder();
-    let ran = run_in(folder.path(), "fuzz whole.glsl --samples 2048 --lane embedded --hostile --format json").expect(1);
+    let ran =
+        run_in(folder.path(), "fuzz whole.glsl --samples 2048 --lane embedded --arbitrary --format json").expect(1);
     let report = ran.json();
     let function = &report["files"][0]["functions"][1];
     assert_eq!(function["function"], "whole");

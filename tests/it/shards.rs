@@ -69,7 +69,7 @@ fn functions_are_fuzzed_in_parts() {
                 vec3 blend(vec3 a, vec3 b, float wa, float wb) { return (a * wa + b * wb) / (wa + wb); }\n\
                 float twice(float x) { return 2.0 * x; }\n";
     fs::write(&file, text).unwrap();
-    same_in_parts(&format!("fuzz {} --samples 2000 --notes --hostile", file.display()), &[1, 2, 5], 1);
+    same_in_parts(&format!("fuzz {} --samples 2000 --notes --arbitrary", file.display()), &[1, 2, 5], 1);
     same_in_parts(&format!("fuzz {} --samples 2000", file.display()), &[2], 0);
 }
 

@@ -25,7 +25,7 @@ pub fn identity(args: &FuzzArgs, shards: u64, sources: &[IncludedText], lanes: &
     let identity = Identity::new("fuzz", args.input.seed, shards)
         .with("--samples", args.samples)
         .with(NOTES, args.notes)
-        .with("--hostile", args.hostile)
+        .with("--arbitrary", args.arbitrary)
         .with("--strict-integers", args.strict_integers)
         .with("--function", args.function.join(","))
         .with("--domain", args.input.domain.join("; "))
@@ -117,7 +117,7 @@ impl Job for Functions<'_> {
             seed: args.input.seed,
             case: args.case.clone(),
             notes: args.notes,
-            hostile: args.hostile,
+            arbitrary: args.arbitrary,
             strict_integers: args.strict_integers,
             first_lane: args.lane.is_empty() && !args.all_lanes,
             command: command(args, &self.sources[file]),

@@ -36,7 +36,7 @@ pub use resolution::Resolution;
 const BATCH: usize = 1 << 14;
 
 /// One sample of so many is of any size, whatever the inputs are taken for.
-const HOSTILE: u64 = 4;
+const ARBITRARY: u64 = 4;
 
 /// Samples of a batch that are looked at though only one of the functions ends.
 const ONE_SIDED: usize = 8;
@@ -157,13 +157,13 @@ pub fn run(
     let case = request.case.as_ref().map(|text| given(ready, text)).transpose()?;
     let constant = ready.kernel.invocation.words() + ready.kernel.case.words() == 0;
     let samples = if case.is_some() || constant { 1 } else { request.samples };
-    let hostile = if case.is_some() || constant || domain.is_stated() { 0 } else { samples / HOSTILE };
+    let arbitrary = if case.is_some() || constant || domain.is_stated() { 0 } else { samples / ARBITRARY };
     let key = stream_key(request.seed, &subjects[0].label);
     let mut meaning = meaning::Meanings::default();
     let mut accuracy: Vec<_> = request.profiles.iter().map(|profile| accuracy::Gauge::new(&pair, profile)).collect();
     let mut on: Vec<_> =
         lanes.iter().map(|lane| on_lanes::Both::new(*lane, &pair, BATCH.min(samples as usize))).collect();
-    for (realistic, count) in [(true, samples - hostile), (false, hostile)] {
+    for (realistic, count) in [(true, samples - arbitrary), (false, arbitrary)] {
         let mut first = 0;
         while first < count && !interrupt::asked() {
             let some = (count - first).min(BATCH as u64) as usize;

@@ -191,15 +191,15 @@ pub enum Part {
     #[default]
     Realistic,
     /// Inputs that nobody stated: zeros, coincidences, edges, extremes.
-    Hostile,
+    Arbitrary,
 }
 
 impl Part {
-    /// `realistic` or `hostile`.
+    /// `realistic` or `arbitrary`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Realistic => "realistic",
-            Self::Hostile => "hostile",
+            Self::Arbitrary => "arbitrary",
         }
     }
 }
@@ -226,7 +226,7 @@ pub struct Finding {
     pub lane: Option<LaneName>,
     /// Samples that show it.
     pub count: u64,
-    /// How many of these count: inputs that are stated or realistic; of moderate size in a run on hostile inputs alone.
+    /// How many of these count: inputs that are stated or realistic; of moderate size in a run on arbitrary inputs alone.
     pub counting: u64,
     /// The smallest inputs that show it.
     pub inputs: Vec<InputValue>,
@@ -285,7 +285,7 @@ pub struct LaneReport {
     pub verdicts: BatchVerdict,
     /// The same for the second part of the run.
     #[serde(default)]
-    pub hostile: BatchVerdict,
+    pub arbitrary: BatchVerdict,
     /// Why it did not run.
     pub not_run: Option<String>,
 }
@@ -301,7 +301,7 @@ pub struct FunctionReport {
     pub samples: u64,
     /// How many of these are of the second part, on inputs that nobody stated.
     #[serde(default)]
-    pub hostile: u64,
+    pub arbitrary: u64,
     /// Samples beside these that lie at edges of what the function decides.
     pub edges: u64,
     /// Dispatches of a compute stage, with several workgroups and buffers of several sizes.
@@ -349,7 +349,7 @@ impl FunctionReport {
             function: subject.label.clone(),
             at: subject.at.clone(),
             samples: 0,
-            hostile: 0,
+            arbitrary: 0,
             edges: 0,
             dispatches: 0,
             not_dispatched: None,

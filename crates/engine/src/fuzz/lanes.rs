@@ -34,7 +34,7 @@ pub struct OnLane<'a> {
     oracle: &'a Oracle,
     runner: Result<Fence<'a>, String>,
     verdicts: BatchVerdict,
-    hostile: BatchVerdict,
+    arbitrary: BatchVerdict,
     failing: Vec<Sample>,
     unstable: Vec<Sample>,
     unstable_count: u64,
@@ -86,7 +86,7 @@ impl<'a> OnLane<'a> {
             oracle,
             runner,
             verdicts: BatchVerdict::default(),
-            hostile: BatchVerdict::default(),
+            arbitrary: BatchVerdict::default(),
             failing: Vec::new(),
             unstable: Vec::new(),
             unstable_count: 0,
@@ -137,7 +137,7 @@ impl<'a> OnLane<'a> {
     fn of(&mut self, part: Part) -> &mut BatchVerdict {
         match part {
             Part::Realistic => &mut self.verdicts,
-            Part::Hostile => &mut self.hostile,
+            Part::Arbitrary => &mut self.arbitrary,
         }
     }
 
@@ -192,7 +192,7 @@ impl<'a> OnLane<'a> {
     pub fn finish(mut self, domain: &Domain, reproduce: &dyn Fn(&Sample) -> String) -> (LaneReport, Vec<Finding>) {
         let name = self.lane.description().name;
         let part =
-            if self.verdicts.deviated == 0 && self.hostile.deviated > 0 { Part::Hostile } else { Part::Realistic };
+            if self.verdicts.deviated == 0 && self.arbitrary.deviated > 0 { Part::Arbitrary } else { Part::Realistic };
         let disturbed = self.disturbed();
         let mut findings = Vec::new();
         let blank = |kind, message| Finding {
@@ -237,7 +237,7 @@ impl<'a> OnLane<'a> {
                 Err(_) if interrupt::asked() => {
                     let message = "samples deviate; the run was interrupted before they were looked into".to_owned();
                     findings.push(Finding {
-                        count: self.verdicts.deviated + self.hostile.deviated,
+                        count: self.verdicts.deviated + self.arbitrary.deviated,
                         ..blank(FuzzFindingKind::LaneDeviation, message)
                     });
                 }
@@ -250,7 +250,7 @@ impl<'a> OnLane<'a> {
             findings.push(blank(FuzzFindingKind::LaneFailed, error.clone()));
         }
         let not_run = self.runner.err();
-        (LaneReport { lane: name, verdicts: self.verdicts, hostile: self.hostile, not_run }, findings)
+        (LaneReport { lane: name, verdicts: self.verdicts, arbitrary: self.arbitrary, not_run }, findings)
     }
 
     /// Whether what was odd comes of the samples beside it: the same dispatch gives the same again, each time, and in one that
@@ -376,7 +376,7 @@ impl<'a> OnLane<'a> {
             let own = stage::is_of_own_translator(self.lane, &self.ready.program, &batch, &diagnosis);
             findings.push(Finding {
                 own_translator: own,
-                count: self.verdicts.deviated + self.hostile.deviated,
+                count: self.verdicts.deviated + self.arbitrary.deviated,
                 inputs: InputValue::all(&sample, &self.ready.program),
                 output: Some(output.clone()),
                 meaning: deviation.value().map(|v| v.meaning),

@@ -53,7 +53,7 @@ pub struct Request {
     /// Notes are shrunk as findings are; without it they are told with the first sample that shows them.
     pub notes: bool,
     /// All inputs alike: none is taken for anything, and there is no second part.
-    pub hostile: bool,
+    pub arbitrary: bool,
     /// A signed integer that does not fit counts as other operations on integers do, although languages let it wrap.
     pub strict_integers: bool,
     /// The first lane that runs the function is enough, unless it is at fault: the others tell then whose fault it is.
@@ -91,8 +91,8 @@ impl Looked<'_> {
         match part {
             Part::Realistic if self.in_parts => Standing::Counts,
             _ if !counts => Standing::Extreme,
-            Part::Hostile if self.in_parts => Standing::Unstated,
-            Part::Realistic | Part::Hostile => Standing::Counts,
+            Part::Arbitrary if self.in_parts => Standing::Unstated,
+            Part::Realistic | Part::Arbitrary => Standing::Counts,
         }
     }
 
@@ -110,7 +110,7 @@ impl Looked<'_> {
         if standing == Standing::Counts && (self.in_parts || self.domain.is_stated()) {
             Part::Realistic
         } else {
-            Part::Hostile
+            Part::Arbitrary
         }
     }
 }
@@ -190,7 +190,7 @@ fn run_on(
     let key = stream_key(request.seed, &subject.label);
     let sizes = crossing::sizes(ready, &drawn(ready, domain, key, (0, crossing::PILOT), !domain.is_stated()));
     // Who gives a case states its inputs.
-    let in_parts = !request.hostile && !alone && !domain.is_stated();
+    let in_parts = !request.arbitrary && !alone && !domain.is_stated();
     if in_parts {
         let all = ready.realistic.taken_for(domain);
         report.taken_for = all.into_iter().map(|taken| taken.map(str::to_owned)).collect();
@@ -200,7 +200,7 @@ fn run_on(
     let mut running = FuzzRun { looked, key, case, size, on, groups: HashMap::new(), lowered, report };
     let second = if in_parts { samples / SECOND } else { 0 };
     running.samples(Part::Realistic, samples - second);
-    running.samples(Part::Hostile, second);
+    running.samples(Part::Arbitrary, second);
     let far = running.far(samples);
     if !alone && !interrupt::asked() {
         running.edges(&oracle, samples);
@@ -268,7 +268,7 @@ impl<'a> FuzzRun<'a> {
             }
             first += count as u64;
             self.report.samples += count as u64;
-            self.report.hostile += if part == Part::Hostile { count as u64 } else { 0 };
+            self.report.arbitrary += if part == Part::Arbitrary { count as u64 } else { 0 };
         }
     }
 
@@ -293,7 +293,7 @@ impl<'a> FuzzRun<'a> {
         let Looked { domain, in_parts, .. } = self.looked;
         let pilot = self.batch(Part::Realistic, 0, samples.min(PILOT) as usize);
         // What holds beside an edge alone needs an input that is met by chance.
-        let part = if in_parts { Part::Hostile } else { Part::Realistic };
+        let part = if in_parts { Part::Arbitrary } else { Part::Realistic };
         let found = edges(oracle, &|sample: &Sample| domain.keeps(sample), &pilot, Vec::new()).samples;
         self.report.edges = found.len() as u64;
         if found.is_empty() {

@@ -60,7 +60,7 @@ pub(super) fn another<'r>(
     lanes
         .map(|(lane, report)| (lane.front_end(program), lane.description().executor.as_str() == "interpreter", report))
         .find(|(front_end, interpreted, report)| {
-            let wrong = report.verdicts.deviated + report.hostile.deviated;
+            let wrong = report.verdicts.deviated + report.arbitrary.deviated;
             !front_end.starts_with("naga")
                 && !interpreted
                 && report.not_run.is_none()

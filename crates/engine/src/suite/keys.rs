@@ -252,8 +252,8 @@ pub(super) const SECTIONS: &[Section] = &[
             key(
                 "guessed",
                 KeyForm::Flag,
-                "`true` where nobody stated these values, as in suites that `init` writes: an undefined value that comes of \
-                 them is a warning. Delete the line once they are what programs give.",
+                "`true` where these values are a guess, as in suites that `init` writes: an undefined value that comes of them \
+                 is a warning. Delete the line once they are what programs give.",
             ),
         ],
     },

@@ -42,7 +42,7 @@ struct Function<'a> {
     function: &'a str,
     at: &'a str,
     samples: u64,
-    hostile: u64,
+    arbitrary: u64,
     edges: u64,
     dispatches: u64,
     not_dispatched: Option<&'a str>,
@@ -73,7 +73,7 @@ struct OnLane {
     undetermined: u64,
     undetermined_by: serde_json::Map<String, serde_json::Value>,
     max_ulp: f64,
-    hostile: Counts,
+    arbitrary: Counts,
 }
 
 /// Samples of the second part of a run.
@@ -169,7 +169,7 @@ fn function(report: &FunctionReport) -> Function<'_> {
         function: &report.function,
         at: &report.at,
         samples: report.samples,
-        hostile: report.hostile,
+        arbitrary: report.arbitrary,
         edges: report.edges,
         dispatches: report.dispatches,
         not_dispatched: report.not_dispatched.as_deref(),
@@ -204,10 +204,10 @@ fn on_lane(lane: &LaneReport) -> OnLane {
         undetermined: v.undetermined_count(),
         undetermined_by: reasons.map(|(reason, n)| (reason.name().to_owned(), n.into())).collect(),
         max_ulp: v.max_ulp,
-        hostile: Counts {
-            agreed: lane.hostile.agreed,
-            deviated: lane.hostile.deviated,
-            undetermined: lane.hostile.undetermined_count(),
+        arbitrary: Counts {
+            agreed: lane.arbitrary.agreed,
+            deviated: lane.arbitrary.deviated,
+            undetermined: lane.arbitrary.undetermined_count(),
         },
     }
 }

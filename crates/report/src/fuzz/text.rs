@@ -44,9 +44,9 @@ pub fn line(function: &FunctionReport, color: bool) -> String {
                 (false, None) => ("ok  ", style.good),
             };
             let severities = [(Severity::Finding, "finding"), (Severity::Warning, "warning"), (Severity::Note, "note")];
-            let of = match function.hostile {
+            let of = match function.arbitrary {
                 0 => String::new(),
-                hostile => format!(", {hostile} of them hostile"),
+                arbitrary => format!(", {arbitrary} of them arbitrary"),
             };
             let mut parts = Vec::new();
             if function.samples > 0 || function.dispatches == 0 {
@@ -76,11 +76,11 @@ fn on_lane(lane: &LaneReport) -> String {
     }
     let v = &lane.verdicts;
     let mut text = format!("{} {} agreed", lane.lane, v.agreed);
-    let hostile = &lane.hostile;
+    let arbitrary = &lane.arbitrary;
     for (n, what) in [
         (v.deviated, "deviated"),
         (v.undetermined_count(), "undetermined"),
-        (hostile.deviated, "deviated on hostile inputs"),
+        (arbitrary.deviated, "deviated on arbitrary inputs"),
     ] {
         if n > 0 {
             let _ = write!(text, ", {n} {what}");
@@ -123,16 +123,16 @@ pub fn findings(file: &FileReport, notes: bool, color: bool) -> String {
     text
 }
 
-/// True for what needs inputs that nobody stated: it is told by its cause.
+/// True for what needs arbitrary inputs: it is reported by its cause.
 fn is_unstated(finding: &Finding) -> bool {
-    finding.severity == Severity::Warning && finding.part == Part::Hostile && finding.cause.is_some()
+    finding.severity == Severity::Warning && finding.part == Part::Arbitrary && finding.cause.is_some()
 }
 
 /// Places, and inputs, that are told of one cause.
 const PLACES: usize = 3;
 const INPUTS: usize = 4;
 
-/// Warnings that need inputs that nobody stated: a paragraph of at most ten lines for each cause.
+/// Warnings that need arbitrary inputs: a paragraph of at most ten lines for each cause.
 fn unstated(text: &mut String, file: &FileReport, color: bool) {
     let style = Style::new(color);
     let all = || file.functions.iter().flat_map(|function| function.findings.iter().map(move |f| (function, f)));
@@ -153,7 +153,7 @@ fn unstated(text: &mut String, file: &FileReport, color: bool) {
             [ref first, ..] => format!("{first} and {} more", functions.len() - 1),
             [] => String::new(),
         };
-        let _ = writeln!(text, "\n{}warning: {who}: {cause}, at inputs that nobody stated{}", style.bold, style.off);
+        let _ = writeln!(text, "\n{}warning: {who}: {cause}, at arbitrary inputs{}", style.bold, style.off);
         let mut label = "at";
         for (function, finding) in found.iter().take(PLACES) {
             let at = finding.place.as_ref().map_or_else(|| function.at.clone(), |p| format!("{}: `{}`", p.at, p.text));

@@ -445,12 +445,13 @@ impl Checker<'_> {
             return self.sink.error(errors::ASSIGN_TYPE, span, message, label);
         }
         let (from, to) = (given.components().unwrap_or(0), wanted.components().unwrap_or(0));
+        let word = if from == 1 { "component" } else { "components" };
         let d = self
             .sink
             .start(errors::ASSIGN_SIZE, span, message)
             .with_label(label)
             .with_why(message!(
-                "{from} of {to} components are given, and nothing is added or dropped by itself",
+                "it has {from} {word} where {to} are needed, and none is added or dropped by itself",
                 "成分数が {from} と {to} で、自動では補われも捨てられもしません"
             ))
             .with_help(message!("construct or swizzle a `{wanted}`", "`{wanted}` を組み立てるか取り出してください"));

@@ -20,7 +20,7 @@ fn report(text: &str, most: f64) -> FunctionReport {
         seed: 1,
         case: None,
         notes: false,
-        hostile: false,
+        arbitrary: false,
         strict_integers: false,
         first_lane: false,
         command: "shadercheck fuzz a.frag".into(),

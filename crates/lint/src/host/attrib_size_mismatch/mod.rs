@@ -70,7 +70,7 @@ fn judge(
                 &host.file,
                 place,
                 message!(
-                    "{size} components are given to `{name}`, which is `{ty}`",
+                    "`{name}` is `{ty}`, and is given {size} components",
                     "`{ty}` の `{name}` に {size} 成分を渡しています"
                 ),
             )
@@ -113,7 +113,7 @@ fn fewer(
                 &host.file,
                 place,
                 message!(
-                    "`{name}.{letter}` is read, and never given: {size} components are given to `{ty}`",
+                    "`{name}.{letter}` is read, and never given: the array of this `{ty}` has size {size}",
                     "`{name}.{letter}` は読まれますが渡されていません。`{ty}` に {size} 成分を渡しています"
                 ),
             )
