@@ -59,7 +59,7 @@ pub fn shaders(paths: &[PathBuf], wanted: fn(&Path) -> bool) -> anyhow::Result<(
 /// What is wrong with a folder without shaders.
 pub fn none_in(folder: &Path) -> String {
     format!(
-        "`{}` holds no shader; the extension tells the stage: .vert, .geom, .frag, .comp, .glsl for a library, .wgsl",
+        "`{}` holds no shader; the extension gives the stage: .vert, .geom, .frag, .comp, .glsl for a library, .wgsl",
         folder.shown()
     )
 }

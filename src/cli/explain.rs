@@ -89,7 +89,7 @@ fn code(given: &str) -> Option<String> {
     let told = match rests.is_empty() {
         true => "It holds whatever is put around the text.".to_owned(),
         false => format!(
-            "It rests on {}. Where the text leaves one of these open, it is told at `--level strict`.",
+            "It rests on {}. Where the text leaves one of these open, it is reported at `--level strict`.",
             rests.join("; on ")
         ),
     };

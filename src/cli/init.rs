@@ -109,7 +109,7 @@ pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow:
     writeln!(out, "\n{SNIPPET}")?;
     let folders: Vec<String> = places.iter().map(|place| place.folder.shown().to_string()).collect();
     writeln!(out, "Next: shadercheck check {}", folders.join(" "))?;
-    writeln!(out, "`shadercheck explain suite` tells every key of a suite file.")?;
+    writeln!(out, "`shadercheck explain suite` lists every key of a suite file.")?;
     Ok(if written == 0 && known.is_empty() { ExitStatus::Findings } else { ExitStatus::Clean })
 }
 

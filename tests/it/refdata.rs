@@ -135,7 +135,7 @@ fn damaged_references_are_reported() {
     let reported = run_in(at, "refdata verify s.npz gone.npz").expect(2).err;
     assert!(reported.contains("cannot read `gone.npz`"), "{reported}");
     let reported = run_in(at, "refdata verify s.npz d.txt").expect(2).err;
-    assert!(reported.contains("tells no format"), "{reported}");
+    assert!(reported.contains("names no format"), "{reported}");
 }
 
 #[test]

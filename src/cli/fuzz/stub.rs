@@ -54,7 +54,7 @@ fn suite(source: &IncludedText, function: &FunctionReport) -> Result<String, Str
     }
     let shader = source.path.file_name().unwrap_or_default().to_string_lossy();
     let mut text = format!(
-        "# A first suite: say what the function should give (`shadercheck explain suite` tells every key), and\n\
+        "# A first suite: say what the function should give (`shadercheck explain suite` lists every key), and\n\
          # narrow the ranges of its inputs. Until then lanes are held against what the function itself means.\n\
          suite = {}\ntitle = {}\nshader = {}\n",
         quoted(name),

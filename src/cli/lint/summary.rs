@@ -117,7 +117,7 @@ pub fn next(found: &[Diagnostic], info: bool, lang: Lang) -> Vec<String> {
     }
     if found.len() - infos > MANY {
         lines.push(message!(
-            "`--statistics` counts by rule; `--write-baseline FILE` records what is there, so that only new findings are told",
+            "`--statistics` counts by rule; `--write-baseline FILE` records what is there, so that only new findings are reported",
             "`--statistics` は規則ごとの件数、`--write-baseline FILE` は今ある指摘を記録し、以後は新しいものだけを示します"
         ));
     }

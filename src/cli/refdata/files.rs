@@ -13,7 +13,7 @@ use refdata::read::{Blocks, Chain, InputFormat, ReadError, Sequence, Shared};
 pub fn source(path: &Path) -> anyhow::Result<InputFormat> {
     let name = path.shown();
     InputFormat::of_name(&name)
-        .with_context(|| format!("the ending of `{name}` tells no format; there are npz, parquet, csv, json and raw"))
+        .with_context(|| format!("the ending of `{name}` names no format; there are npz, parquet, csv, json and raw"))
 }
 
 /// Opens a file.

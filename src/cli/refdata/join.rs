@@ -162,7 +162,7 @@ fn targets(out: Option<&Path>, suites: &Suites) -> anyhow::Result<Vec<Option<(Pa
         // A device has no ending: it gets the format of the parts.
         let named = suites.values().filter(|_| streamed).find_map(|(paths, _)| paths.first()).map_or(out, |part| part);
         let format = format(named).with_context(|| {
-            format!("the ending of `{}` tells no format; there are npz, parquet, csv, json and h", out.shown())
+            format!("the ending of `{}` names no format; there are npz, parquet, csv, json and h", out.shown())
         })?;
         return Ok(vec![Some((out.to_owned(), format))]);
     }
