@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use serde_json::{Value, json};
 
 use super::trial::step;
-use super::{SHELLS, Staged};
+use super::{PROFILE, SHELLS, Staged};
 use crate::folder::copy;
 
 /// A format.
@@ -206,7 +206,7 @@ fn wheel(staged: &Staged, out: &Path) -> Result<Vec<PathBuf>> {
         fs::remove_dir_all(&folder)?;
     }
     let mut command = Command::new("maturin");
-    command.args(["build", "--release", "--locked", "--quiet", "--out"]).arg(&folder).args(&staged.features);
+    command.args(["build", "--profile", PROFILE, "--locked", "--quiet", "--out"]).arg(&folder).args(&staged.features);
     step(command.current_dir(&staged.workspace).env("CARGO_TARGET_DIR", &staged.build))?;
     let mut made = Vec::new();
     for entry in fs::read_dir(&folder)? {

@@ -17,6 +17,13 @@ use crate::cargo::{cargo, status, target, workspace};
 use formats::{FORMATS, Format};
 use trial::{Times, step};
 
+/// The profile of Cargo.toml that is packaged.
+pub const PROFILE: &str = "dist";
+
+/// Most bytes of the program, and of the linter alone: what they have today, so that they do not grow unseen. deploy/release.md
+/// says what they are to have.
+const LARGEST: [u64; 2] = [38_000_000, 15_000_000];
+
 /// What goes into every package.
 pub struct Staged {
     pub workspace: PathBuf,
@@ -79,6 +86,7 @@ pub fn run(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
         Some(program) => fs::canonicalize(program).with_context(|| format!("cannot find {}", program.display()))?,
         None => release(&build, &features, messages)?,
     };
+    fits(fs::metadata(&program)?.len(), arguments.lint)?;
     let out = build.join("out");
     if out.exists() {
         fs::remove_dir_all(&out).with_context(|| format!("cannot remove {}", out.display()))?;
@@ -118,10 +126,17 @@ fn release(build: &Path, features: &[&str], messages: &mut dyn Write) -> Result<
     }
     let start: &[&str] = if auditable { &["auditable", "build"] } else { &["build"] };
     let mut command = cargo(start);
-    command.args(["--release", "--locked", "--package", "shadercheck", "--bin", "shadercheck"]).args(features);
+    command.args(["--profile", PROFILE, "--locked", "--package", "shadercheck", "--bin", "shadercheck"]).args(features);
     let failed = status(command.env("CARGO_TARGET_DIR", build))?;
     ensure!(failed == 0, "the program cannot be built");
-    Ok(build.join("release").join(format!("shadercheck{}", std::env::consts::EXE_SUFFIX)))
+    Ok(build.join(PROFILE).join(format!("shadercheck{}", std::env::consts::EXE_SUFFIX)))
+}
+
+/// Refuses a program that is larger than its limit.
+fn fits(size: u64, lint: bool) -> Result<()> {
+    let most = LARGEST[usize::from(lint)];
+    ensure!(size <= most, "the program has {:.1} MB; the limit is {} MB", size as f64 / 1e6, most / 1_000_000);
+    Ok(())
 }
 
 /// Version and target of a program.
@@ -212,6 +227,17 @@ mod tests {
 
     fn read(words: &[&str]) -> Result<Arguments> {
         Arguments::read(&words.iter().map(OsString::from).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn a_program_above_its_limit_is_refused() {
+        let [whole, lint] = LARGEST;
+        fits(whole, false).unwrap();
+        fits(lint, true).unwrap();
+        let error = fits(whole + 100_000, false).unwrap_err().to_string();
+        let most = whole / 1_000_000;
+        assert_eq!(error, format!("the program has {most}.1 MB; the limit is {most} MB"));
+        assert!(fits(lint + 1, true).is_err() && fits(lint + 1, false).is_ok());
     }
 
     #[test]

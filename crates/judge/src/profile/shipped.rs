@@ -1,6 +1,9 @@
 //! The profiles that are part of the program.
 
+use std::io::Read;
 use std::sync::{Arc, LazyLock};
+
+use flate2::read::ZlibDecoder;
 
 use super::{Identity, Profile, parse};
 use base::text::SourceFile;
@@ -33,48 +36,34 @@ struct MeasuredDevice {
     profile: LazyLock<Arc<Profile>>,
 }
 
+/// A measurement, out of what the build script made of its file.
+macro_rules! measured {
+    ($name:literal, $driver:literal) => {
+        MeasuredDevice {
+            name: $name,
+            driver: $driver,
+            profile: LazyLock::new(|| {
+                let text = unpack(include_bytes!(concat!(env!("OUT_DIR"), "/", $name, ".toml.z")));
+                Arc::new(read($name, &text, &PROMISED))
+            }),
+        }
+    };
+}
+
 static MEASURED: [MeasuredDevice; 5] = [
-    MeasuredDevice {
-        name: "llvmpipe-22.3.6",
-        driver: "llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe, Mesa 22.3.6 (LLVM 15.0.6)",
-        profile: LazyLock::new(|| {
-            let text = include_str!("../../profiles/llvmpipe-22.3.6.toml");
-            Arc::new(read("llvmpipe-22.3.6", text, &PROMISED))
-        }),
-    },
-    MeasuredDevice {
-        name: "softpipe-22.3.6",
-        driver: "softpipe, OpenGL 3.3 (Core Profile) Mesa 22.3.6",
-        profile: LazyLock::new(|| {
-            let text = include_str!("../../profiles/softpipe-22.3.6.toml");
-            Arc::new(read("softpipe-22.3.6", text, &PROMISED))
-        }),
-    },
-    MeasuredDevice {
-        name: "swiftshader-subzero-5.0",
-        driver: "SwiftShader Device (Subzero), SwiftShader driver",
-        profile: LazyLock::new(|| {
-            let text = include_str!("../../profiles/swiftshader-subzero-5.0.toml");
-            Arc::new(read("swiftshader-subzero-5.0", text, &PROMISED))
-        }),
-    },
-    MeasuredDevice {
-        name: "nvidia-h200-580.159.04",
-        driver: "NVIDIA H200, NVIDIA, 580.159.04",
-        profile: LazyLock::new(|| {
-            let text = include_str!("../../profiles/nvidia-h200-580.159.04.toml");
-            Arc::new(read("nvidia-h200-580.159.04", text, &PROMISED))
-        }),
-    },
-    MeasuredDevice {
-        name: "nvidia-h200-opengl-580.159.04",
-        driver: "NVIDIA H200, OpenGL 4.6.0 NVIDIA 580.159.04",
-        profile: LazyLock::new(|| {
-            let text = include_str!("../../profiles/nvidia-h200-opengl-580.159.04.toml");
-            Arc::new(read("nvidia-h200-opengl-580.159.04", text, &PROMISED))
-        }),
-    },
+    measured! { "llvmpipe-22.3.6", "llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe, Mesa 22.3.6 (LLVM 15.0.6)" },
+    measured! { "softpipe-22.3.6", "softpipe, OpenGL 3.3 (Core Profile) Mesa 22.3.6" },
+    measured! { "swiftshader-subzero-5.0", "SwiftShader Device (Subzero), SwiftShader driver" },
+    measured! { "nvidia-h200-580.159.04", "NVIDIA H200, NVIDIA, 580.159.04" },
+    measured! { "nvidia-h200-opengl-580.159.04", "NVIDIA H200, OpenGL 4.6.0 NVIDIA 580.159.04" },
 ];
+
+fn unpack(packed: &[u8]) -> String {
+    let mut text = String::new();
+    // The build script packed it, and a test reads each of them.
+    ZlibDecoder::new(packed).read_to_string(&mut text).expect("a profile of the program unpacks");
+    text
+}
 
 fn read(name: &str, text: &str, earlier: &[Profile]) -> Profile {
     let file = SourceFile::new(format!("{name}.toml"), text);
