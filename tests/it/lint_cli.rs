@@ -386,9 +386,12 @@ fn the_tour_of_the_book_and_of_the_readme_is_what_the_tool_says() {
     let ran = lint(root(), "fixtures/tour --format concise --no-config").expect(1);
     assert_eq!(ran.out.lines().count(), 10, "{}", ran.out);
     assert!(page.contains(ran.out.trim_end()), "{}", ran.out);
-    let readme = fs::read_to_string(root().join("README.md")).unwrap();
-    let shown: Vec<&str> = readme.lines().filter(|line| line.starts_with("fixtures/tour/")).collect();
-    assert!(!shown.is_empty() && shown.iter().all(|line| ran.out.lines().any(|said| said == *line)), "{shown:?}");
+    let japanese = run_in(root(), "lint --lang ja fixtures/tour --format concise --no-config").expect(1);
+    for (name, ran) in [("README.md", &ran), ("README.ja.md", &japanese)] {
+        let readme = fs::read_to_string(root().join(name)).unwrap();
+        let shown: Vec<&str> = readme.lines().filter(|line| line.starts_with("fixtures/tour/")).collect();
+        assert!(!shown.is_empty() && shown.iter().all(|line| ran.out.lines().any(|said| said == *line)), "{shown:?}");
+    }
 }
 
 #[test]

@@ -1,16 +1,16 @@
-//! The commands in README.md, CONTRIBUTING.md and the pages of the book exist, with the options that they show.
+//! The commands in README.md, README.ja.md, CONTRIBUTING.md and the pages of the book exist, with the options that they show.
 
 use std::process::Command;
 
 use super::{Fault, File, expect_none, file, messages, project};
 
-/// Most lines that README.md may have.
+/// Most lines that README.md, and the same in Japanese, may have.
 const README: usize = 150;
 
 /// Documents with commands.
 pub(super) fn documents(files: &[File]) -> Vec<&File> {
     let is_page = |path: &str| path.starts_with("docs/book/src/") && path.ends_with(".md");
-    let wanted = |path: &str| path == "README.md" || path == "CONTRIBUTING.md" || is_page(path);
+    let wanted = |path: &str| ["README.md", "README.ja.md", "CONTRIBUTING.md"].contains(&path) || is_page(path);
     files.iter().filter(|file| wanted(&file.path)).collect()
 }
 
@@ -93,9 +93,11 @@ fn the_tasks_of_the_documents_exist() {
     };
     let unknown = |document: &File| unknown_commands(document, "cargo xtask", &help);
     expect_none(&documents(&files).into_iter().flat_map(unknown).collect::<Vec<_>>());
-    let readme = commands(file(&files, "README.md"));
-    assert!(readme.iter().any(|(_, line)| *line == "cargo xtask check"), "the README does not show the gate");
-    assert!(readme.iter().any(|(_, line)| *line == "cargo xtask test"), "the README does not show the tests");
+    for page in ["README.md", "README.ja.md"] {
+        let readme = commands(file(&files, page));
+        assert!(readme.iter().any(|(_, line)| *line == "cargo xtask check"), "{page} does not show the gate");
+        assert!(readme.iter().any(|(_, line)| *line == "cargo xtask test"), "{page} does not show the tests");
+    }
 }
 
 #[test]
@@ -161,8 +163,10 @@ fn undeclared(help: &str) -> Vec<&str> {
 #[test]
 fn the_readme_is_short() {
     let files = project();
-    let lines = file(&files, "README.md").text.lines().count();
-    assert!(lines <= README, "README.md has {lines} lines; the limit is {README}: the rest belongs in the book");
+    for page in ["README.md", "README.ja.md"] {
+        let lines = file(&files, page).text.lines().count();
+        assert!(lines <= README, "{page} has {lines} lines; the limit is {README}: the rest belongs in the book");
+    }
 }
 
 #[cfg(test)]
@@ -211,9 +215,16 @@ mod planted {
 
     #[test]
     fn pages_of_the_book_are_documents_and_other_files_are_not() {
-        let paths = ["README.md", "docs/book/src/lanes.md", "docs/glossary.md", "docs/book/book.toml", "src/README.md"];
+        let paths = [
+            "README.md",
+            "README.ja.md",
+            "docs/book/src/lanes.md",
+            "docs/glossary.md",
+            "docs/book/book.toml",
+            "src/README.md",
+        ];
         let files = paths.map(|path| File::new(path, ""));
         let found: Vec<&str> = documents(&files).iter().map(|file| file.path.as_str()).collect();
-        assert_eq!(found, ["README.md", "docs/book/src/lanes.md"]);
+        assert_eq!(found, ["README.md", "README.ja.md", "docs/book/src/lanes.md"]);
     }
 }
