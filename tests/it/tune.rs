@@ -143,6 +143,64 @@ fn coordinates_of_large_textures_stay_highp() {
     assert!(!patch.contains("#version"), "{patch}");
 }
 
+/// The declarations that must be `highp` in a text of GLSL ES 1.00.
+fn high_in(name: &str, text: &str, arguments: &str) -> Vec<String> {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join(name), text).unwrap();
+    let ran = run_in(folder.path(), &format!("tune {name} --samples 1024 --format json {arguments}"));
+    let report = ran.json();
+    high(&report).into_iter().map(str::to_owned).collect()
+}
+
+#[test]
+fn what_reaches_a_coordinate_through_products_and_functions_stays_highp() {
+    let text = "precision highp float;\nvarying vec2 v_uv;\nvarying vec3 v_tint;\nuniform vec2 u_tiling;\n\
+                uniform sampler2D u_image;\nvec2 tile(vec2 at) { vec2 moved = at; moved *= u_tiling; return moved; }\n\
+                void main() {\n  vec3 shade = v_tint * 0.5;\n  \
+                gl_FragColor = vec4(texture2D(u_image, tile(v_uv)).rgb * shade, 1.0);\n}\n";
+    let all = high_in("tiles.frag", text, "");
+    for what in ["input v_uv", "uniform u_tiling", "the result of tile", "at of tile", "moved"] {
+        assert!(all.iter().any(|one| one == what), "{what}: {all:?}");
+    }
+    assert!(!all.iter().any(|one| one == "input v_tint" || one == "shade"), "{all:?}");
+    // A texture of 256 texels that may be repeated has more texels than `mediump` tells apart; one that is not has fewer.
+    assert!(high_in("tiles.frag", text, "--texture-size 256").contains(&"input v_uv".to_owned()));
+    let plain = text.replace("moved *= u_tiling;", "");
+    assert!(!high_in("plain.frag", &plain, "--texture-size 256").contains(&"input v_uv".to_owned()));
+}
+
+#[test]
+fn coordinates_are_followed_into_outputs_that_names_do_not_tell() {
+    let text = "precision highp float;\nattribute vec4 a_position;\nattribute vec2 a_texCoord;\nattribute vec3 a_tint;\n\
+                uniform vec2 u_scale;\nvarying vec2 v_where;\nvarying vec3 v_tint;\nvoid main() {\n  \
+                v_where = a_texCoord * u_scale;\n  v_tint = a_tint;\n  gl_Position = a_position;\n}\n";
+    let all = high_in("tiles.vert", text, "--error 0.01 --viewport 64x64");
+    for what in ["output v_where", "uniform u_scale", "input a_texCoord"] {
+        assert!(all.iter().any(|one| one == what), "{what}: {all:?}");
+    }
+    assert!(!all.iter().any(|one| one == "output v_tint"), "{all:?}");
+}
+
+#[test]
+fn highp_of_an_author_stays_until_a_range_is_stated() {
+    let text = "precision mediump float;\nvarying highp vec2 v_place;\nvarying highp vec3 v_color;\nvoid main() {\n  \
+                highp vec2 near = v_place * 0.25;\n  gl_FragColor = vec4(v_color, clamp(near.x, 0.0, 1.0));\n}\n";
+    let all = high_in("place.frag", text, "");
+    assert!(all.contains(&"input v_place".to_owned()) && all.contains(&"near".to_owned()), "{all:?}");
+    assert!(!all.contains(&"input v_color".to_owned()), "{all:?}");
+    let stated = high_in("place.frag", text, "--domain v_place=[0,1]");
+    assert!(stated.is_empty(), "{stated:?}");
+}
+
+#[test]
+fn a_position_of_unknown_size_is_never_lowered() {
+    let text = "precision mediump float;\nuniform vec2 u_screen_size;\nattribute vec2 a_pos;\nvoid main() {\n  \
+                gl_Position = vec4(2.0 * a_pos / u_screen_size - 1.0, 0.0, 1.0);\n}\n";
+    assert!(high_in("screen.vert", text, "--viewport 64x64").contains(&"input a_pos".to_owned()));
+    let stated = high_in("screen.vert", text, "--viewport 64x64 --domain a_pos=[0,1] --domain u_screen_size=[1,2]");
+    assert!(!stated.contains(&"input a_pos".to_owned()), "{stated:?}");
+}
+
 #[test]
 fn shaders_in_host_code_and_behind_a_mark_are_tuned_in_their_file() {
     let domain = "--domain v_at=[-300,300] --format json";

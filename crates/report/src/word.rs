@@ -13,9 +13,22 @@ pub(crate) fn word(bits: u32, scalar: Scalar) -> String {
     }
 }
 
+/// A number in four digits, without a power of ten where people write none: 36.84, 0.001961, 2.5e9.
+pub(crate) fn readable(x: f64) -> String {
+    let short = format!("{x:.3e}");
+    let plain = x == 0.0 || (1e-4..1e7).contains(&x.abs());
+    if plain { short.parse::<f64>().map_or(short, |x| x.to_string()) } else { short }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_have_a_power_of_ten_only_where_people_write_one() {
+        let all = [36.8449, 130.24, 0.001_960_78, 0.0, 2.5e9, 3e-7].map(readable);
+        assert_eq!(all, ["36.84", "130.2", "0.001961", "0", "2.500e9", "3.000e-7"]);
+    }
 
     #[test]
     fn words_are_what_their_type_says() {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::coordinates::coordinates;
+use super::coordinates::{Coordinates, coordinates};
 use crate::improve::own_span;
 use base::text::{Edit, EditList, SourceFile, Span};
 use syntax::Shader;
@@ -27,6 +27,8 @@ pub struct Declaration {
     pub now: Option<Precision>,
     /// It carries the coordinate of a texel.
     pub coordinate: bool,
+    /// That coordinate is multiplied, or of unknown size: it may repeat the texture.
+    pub repeats: bool,
     /// It is a sampler: what is read from it has this precision.
     pub sampler: bool,
     /// Where a word goes that states one: before the type, here and in each prototype.
@@ -35,6 +37,31 @@ pub struct Declaration {
     /// What it declares.
     #[serde(skip)]
     symbols: Vec<SymbolId>,
+    /// The function whose result it is.
+    #[serde(skip)]
+    function: Option<FunctionId>,
+    /// Names of members of a structure.
+    #[serde(skip)]
+    members: Vec<String>,
+}
+
+impl Declaration {
+    /// True where `highp` is written at it.
+    pub(super) fn is_stated_high(&self) -> bool {
+        self.now == Some(Precision::High) && self.places.first().is_some_and(|place| place.stated.is_some())
+    }
+
+    pub(super) fn symbols(&self) -> &[SymbolId] {
+        &self.symbols
+    }
+
+    /// Whether it carries a coordinate, and whether that is multiplied.
+    fn carried(&self, found: &Coordinates) -> Option<bool> {
+        let symbols = self.symbols.iter().filter_map(|symbol| found.symbols.get(symbol));
+        let function = self.function.iter().filter_map(|function| found.functions.get(function));
+        let members = self.members.iter().filter_map(|member| found.members.get(member));
+        symbols.chain(function).chain(members).copied().reduce(|a, b| a || b)
+    }
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -87,11 +114,21 @@ impl Declarations {
         let reached = shader.reachable(entry);
         let used = shader.used_by(&reached).into_iter().collect();
         let own = Self { all: Vec::new(), default: None, pinned: false };
-        let mut finder = DeclarationFinder { shader, file, precisions, used, own, given: Vec::new() };
+        let mut finder = DeclarationFinder {
+            shader,
+            file,
+            precisions,
+            used,
+            own,
+            given: Vec::new(),
+            returned: Vec::new(),
+            function: entry,
+        };
         finder.unit(&reached);
-        let carried = coordinates(shader, &finder.given);
+        let carried = coordinates(shader, &finder.given, &finder.returned);
         for one in &mut finder.own.all {
-            one.coordinate = one.symbols.iter().any(|symbol| carried.contains(symbol));
+            let found = one.carried(&carried);
+            (one.coordinate, one.repeats) = (found.is_some(), found == Some(true));
         }
         finder.own.all.sort_by_key(|declaration| declaration.places.first().map(|place| place.before));
         finder.own
@@ -176,6 +213,10 @@ struct DeclarationFinder<'a> {
     own: Declarations,
     /// Variables with their initialisers.
     given: Vec<(SymbolId, ExprId)>,
+    /// What functions return.
+    returned: Vec<(FunctionId, ExprId)>,
+    /// The function whose body is looked at.
+    function: FunctionId,
 }
 
 impl DeclarationFinder<'_> {
@@ -212,7 +253,9 @@ impl DeclarationFinder<'_> {
             if is_real(&info.return_type) {
                 let all = heads.iter().map(|head| (&head.qualifiers, &head.return_type));
                 let now = self.precisions.of_result(id);
+                let before = self.own.all.len();
                 self.add(format!("the result of {}", info.name.name), info.name.span, now, all.collect(), Vec::new());
+                self.own.all[before..].iter_mut().for_each(|one| one.function = Some(id));
             }
             for (k, known) in info.params.iter().enumerate().filter(|(_, known)| is_real(&known.ty)) {
                 let (Some(symbol), Some(name)) = (known.symbol, &known.name) else { continue };
@@ -222,6 +265,7 @@ impl DeclarationFinder<'_> {
                 self.add(format!("{} of {}", name.name, info.name.name), name.span, now, all, vec![symbol]);
             }
             if let Some(body) = &definition.body {
+                self.function = id;
                 self.block(body);
             }
         }
@@ -249,6 +293,7 @@ impl DeclarationFinder<'_> {
                 self.statement(body);
             }
             StmtKind::DoWhile { body, .. } => self.statement(body),
+            StmtKind::Return(Some(value)) => self.returned.push((self.function, *value)),
             // A default inside of a function reaches to the end of its block.
             StmtKind::Precision(_) => self.own.pinned = true,
             _ => {}
@@ -271,7 +316,11 @@ impl DeclarationFinder<'_> {
                     let now = member.qualifiers.precision().map(|(precision, _)| precision);
                     let now = now.or_else(|| self.own.default.map(|(_, default)| default));
                     let all = vec![(&member.qualifiers, &member.ty)];
+                    let before = self.own.all.len();
                     self.add(format!("{} of {of}", names.join(", ")), first.name.span, now, all, Vec::new());
+                    for one in &mut self.own.all[before..] {
+                        one.members = names.iter().map(|name| (*name).to_owned()).collect();
+                    }
                 }
             }
             return;
@@ -343,7 +392,19 @@ impl DeclarationFinder<'_> {
         let (file, span) = self.shader.file().origin(at);
         let sampler = symbols.iter().any(|symbol| is_sampler(&self.shader.symbol(*symbol).ty));
         let at = file.locate(span.start);
-        self.own.all.push(Declaration { what, at, now, coordinate: false, sampler, places, symbols });
+        let (coordinate, repeats, function, members) = (false, false, None, Vec::new());
+        self.own.all.push(Declaration {
+            what,
+            at,
+            now,
+            coordinate,
+            repeats,
+            sampler,
+            places,
+            symbols,
+            function,
+            members,
+        });
     }
 }
 

@@ -9,6 +9,7 @@
 
 mod coordinates;
 mod declarations;
+mod kept;
 mod search;
 mod tolerance;
 mod trial;
@@ -33,12 +34,14 @@ use syntax::precision::Precisions;
 pub use declarations::{Declaration, wanted, word};
 pub use tolerance::{Stated, Tolerance};
 
-use coordinates::TOLD_APART;
+use coordinates::{REPEATS, TOLD_APART};
 use declarations::Declarations;
 use trial::{Devices, Off, Outcome};
 
 /// Samples of the search, before what proofs find joins them.
 const SEARCHED: usize = 768;
+/// One sample of so many has times and places on the screen as far as they come in programs.
+const FAR: usize = 4;
 /// Times that a sample of a proof joins the search, before all do.
 const ROUNDS: usize = 3;
 
@@ -91,6 +94,8 @@ pub struct Row {
     pub shown: Option<Shown>,
     /// It carries a coordinate of textures that have more texels than `mediump` tells apart.
     pub texels: Option<u32>,
+    /// It is `highp` since the range of what goes into it is not stated.
+    pub kept: bool,
 }
 
 /// What came of one function.
@@ -134,6 +139,19 @@ fn no_file() -> SourceFile {
     SourceFile::new("", "")
 }
 
+/// Samples of both, of the first as many as there are between those of the second.
+fn together(few: &Batch, many: &Batch) -> Batch {
+    let mut samples: Vec<Sample> = Vec::new();
+    for k in 0..many.invocation_count() {
+        let at = k / FAR;
+        if k % FAR == 0 && at < few.invocation_count() {
+            samples.push(Sample::of(few, at));
+        }
+        samples.push(Sample::of(many, k));
+    }
+    Sample::batch(&samples)
+}
+
 impl Report {
     /// Declarations that must become `highp`, and those that may become lower.
     pub fn changes(&self) -> [usize; 2] {
@@ -151,6 +169,8 @@ struct Tuning<'a> {
     subject: &'a Subject,
     again: &'a dyn Fn(&SourceFile) -> Parsed,
     declarations: Declarations,
+    /// Those that are `highp` since the range of what goes into them is not stated.
+    kept: Vec<bool>,
     tolerances: Vec<Tolerance>,
     devices: Devices<'static>,
     /// Desktop GLSL, whose precisions mean nothing to desktops.
@@ -188,7 +208,8 @@ pub fn run(
     let tolerances = request.stated.of(record, ready.program.stage)?;
     let profile = by_name("binary32").ok_or("internal error, please report: there is no profile `binary32`")?;
     let devices = Devices { profile, seed: request.seed };
-    let tuning = Tuning { file, subject, again, declarations, tolerances, devices, desktop, texels: request.texels };
+    let (kept, texels) = (kept::kept(shader, ready, domain, &declarations), request.texels);
+    let tuning = Tuning { file, subject, again, declarations, kept, tolerances, devices, desktop, texels };
     let all_high = vec![true; tuning.declarations.all.len()];
     let base = tuning.built(&tuning.declarations.stated(file, &all_high))?;
     let key = stream_key(request.seed, &subject.label);
@@ -218,7 +239,9 @@ fn bounded(ready: &Ready, domain: &Domain) -> Result<(), String> {
 impl Tuning<'_> {
     /// The size of the textures whose coordinate a declaration carries, where `mediump` does not tell their texels apart.
     fn texels(&self, k: usize) -> Option<u32> {
-        (self.declarations.all[k].coordinate && self.texels >= TOLD_APART).then_some(self.texels)
+        let one = &self.declarations.all[k];
+        let apart = self.texels.saturating_mul(if one.repeats { REPEATS } else { 1 });
+        (one.coordinate && apart >= TOLD_APART).then_some(self.texels)
     }
 
     /// The function in a changed file.
@@ -241,6 +264,10 @@ impl Tuning<'_> {
         let constant = base.kernel.invocation.words() + base.kernel.case.words() == 0;
         let count = if constant { 1 } else { count as usize };
         let batch = drawn(base, domain, key, (0, count), !domain.is_stated());
+        let batch = match self.far(domain, key, count / FAR)? {
+            Some(far) => together(&far, &batch),
+            None => batch,
+        };
         let looks = scan(&base.executable, &base.kernel.output.vertex, &batch);
         let fine = |look: &crate::fuzz::Look| look.trouble.is_none() && !look.undefined && look.rounds.end();
         let chosen: Vec<usize> = (0..looks.len()).filter(|&k| fine(&looks[k])).collect();
@@ -250,6 +277,13 @@ impl Tuning<'_> {
         let left_out = (looks.len() - chosen.len()) as u64;
         let samples: Vec<Sample> = chosen.into_iter().map(|k| Sample::of(&batch, k)).collect();
         Ok((Sample::batch(&samples), left_out))
+    }
+
+    /// Samples with times of an hour and large screens, where something has them.
+    fn far(&self, domain: &Domain, key: u64, count: usize) -> Result<Option<Batch>, String> {
+        let medium = self.built(&self.declarations.stated(self.file, &vec![false; self.declarations.all.len()]))?;
+        let records = (&medium.kernel.invocation, &medium.kernel.case);
+        Ok(medium.far.as_ref().filter(|_| count > 0).map(|far| far.batch(records, domain, key, 0, count)))
     }
 
     fn outcome(&self, ready: &Ready, batch: &Batch, strategies: &[Strategy]) -> Outcome {
@@ -332,6 +366,7 @@ impl Tuning<'_> {
                 alone_off: off,
                 shown,
                 texels: self.texels(k),
+                kept: self.kept[k],
             });
         }
         let medium = self.built(&self.declarations.stated(self.file, &vec![false; all.len()]))?;

@@ -83,7 +83,7 @@ impl<'a> Search<'a> {
         let mut errors = Vec::new();
         for (k, needed) in needed.iter_mut().enumerate() {
             let alone = self.alone(k)?;
-            *needed = !alone.holds() || self.tuning.texels(k).is_some();
+            *needed = !alone.holds() || self.tuning.texels(k).is_some() || self.tuning.kept[k];
             errors.push(alone.worst);
         }
         if self.holds(&needed)? {

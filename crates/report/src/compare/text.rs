@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::Summary;
+use crate::word::readable;
 use engine::InputValue;
 use engine::compare::{Accuracy, Compared, OnLane, Resolution, Unlike, Worst};
 
@@ -88,9 +89,9 @@ fn difference(text: &mut String, smallest: &Unlike) {
     {
         let _ = writeln!(
             text,
-            "             by {:.3e}, {:.3e} of the larger",
-            (a - b).abs(),
-            (a - b).abs() / a.abs().max(b.abs())
+            "             by {}, {} of the larger",
+            readable((a - b).abs()),
+            readable((a - b).abs() / a.abs().max(b.abs()))
         );
     }
     let any = if smallest.realistic { "" } else { " (inputs of any size)" };
@@ -117,7 +118,7 @@ fn details(text: &mut String, pair: &Compared) {
 fn bounds(text: &mut String, accuracy: &Accuracy) {
     let Accuracy { profile, compared, better, alone, median_ratio, widest, gains } = accuracy;
     let at_most = |worst: &Option<Worst>, side: usize| match worst {
-        Some(worst) => format!("{:.4e} ULP at {}", worst.ulp[side], inputs(&worst.inputs)),
+        Some(worst) => format!("{} ULP at {}", readable(worst.ulp[side]), inputs(&worst.inputs)),
         None => "none".to_owned(),
     };
     let part = |count: u64| 100.0 * count as f64 / (*compared).max(1) as f64;
@@ -140,10 +141,10 @@ fn bounds(text: &mut String, accuracy: &Accuracy) {
             let which = ["first", "second"][side];
             let _ = writeln!(
                 text,
-                "             the {which} gains most at {}: {:.4e} against {:.4e} ULP",
+                "             the {which} gains most at {}: {} against {} ULP",
                 inputs(at),
-                ulp[side],
-                ulp[1 - side]
+                readable(ulp[side]),
+                readable(ulp[1 - side])
             );
         }
     }

@@ -59,6 +59,8 @@ struct Declaration<'a> {
     at_edges: f64,
     /// Texels of the textures whose coordinate it is, where `mediump` does not tell them apart.
     texels: Option<u32>,
+    /// It is `highp` since the range of what goes into it is not stated.
+    kept: bool,
     why: Option<Why<'a>>,
 }
 
@@ -126,6 +128,7 @@ fn declaration(row: &Row) -> Declaration<'_> {
         samples_off: row.alone_off[0],
         at_edges: row.alone_off[1],
         texels: row.texels,
+        kept: row.kept,
         why: row.shown.as_ref().map(why),
     }
 }

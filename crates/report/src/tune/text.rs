@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::{FileReport, Summary};
+use crate::word::readable;
 use engine::tune::{Report, Row, Shown, Tolerance, word};
 
 /// The report.
@@ -22,9 +23,9 @@ fn ratio(x: f64) -> String {
 /// What an output may be off by.
 pub(super) fn allowed(tolerance: Tolerance) -> String {
     match tolerance {
-        Tolerance::Absolute(limit) => format!("{limit:.3e}"),
-        Tolerance::Unit(limit) => format!("{limit:.3e} between 0 and 1"),
-        Tolerance::Relative(limit) => format!("{limit:.3e} of its size"),
+        Tolerance::Absolute(limit) => readable(limit),
+        Tolerance::Unit(limit) => format!("{} between 0 and 1", readable(limit)),
+        Tolerance::Relative(limit) => format!("{} of its size", readable(limit)),
         Tolerance::Pixels([width, height]) => format!("half a pixel of {width}x{height}"),
     }
 }
@@ -49,14 +50,18 @@ fn one(text: &mut String, file: &FileReport, color: bool) {
     }
     table(text, report);
     for row in report.rows.iter().filter(|row| row.high) {
-        if row.shown.is_some() || row.texels.is_some() {
+        if row.shown.is_some() || row.texels.is_some() || row.kept {
             let _ = writeln!(text, "\n  {} must be highp", row.declaration.what);
         }
         if let Some(size) = row.texels {
+            let repeats = if row.declaration.repeats { ", fewer where they repeat" } else { "" };
             let _ = writeln!(
                 text,
-                "    it is a coordinate of textures: of {size} texels (--texture-size) `mediump` tells less than 1024 apart"
+                "    a coordinate of textures comes from it: of {size} texels (--texture-size) `mediump` tells less than 1024 apart{repeats}"
             );
+        }
+        if row.kept {
+            text.push_str("    nobody states the range of what goes into it: a comment or --domain does\n");
         }
         if row.declaration.sampler {
             text.push_str("    what is read from it has its precision, which is `lowp` by default: enough for 8 bits of a colour\n");
