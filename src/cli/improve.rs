@@ -23,11 +23,14 @@ use engine::improve::{self, Request};
 use engine::session::{At, Job, Seen};
 use engine::shard::Identity;
 use hosts::Language;
-use judge::profile::Profile;
+use judge::profile::{Profile, by_name};
 use lanes::{Lane, StandIn, Wanted, interrupt};
 use lint::fix::FixedFile;
 use program::Written;
 use report::improve::{FileReport, Summary, json};
+
+/// What bounds of whole functions are derived from, where no profile is asked for.
+const BOUNDS: &str = "vulkan-1.4";
 
 /// Points of a proof, when none are asked for.
 const SAMPLES: u64 = 1 << 20;
@@ -63,9 +66,10 @@ pub struct ImproveArgs {
     /// Lanes that run both formulas
     #[arg(long, value_name = "LANE", value_delimiter = ',', default_value = "embedded")]
     pub lane: Vec<String>,
-    /// Profile for bounds: a shipped one by name, or a file that `calibrate` wrote
-    #[arg(long, value_name = "PROFILE", default_value = "vulkan-1.4")]
-    pub profile: String,
+    /// Judge proposals by this profile alone: a shipped one by name, or a file that `calibrate` wrote [default: the
+    /// promises of Vulkan, WebGPU and OpenGL, and all shipped devices]
+    #[arg(long, value_name = "PROFILE")]
+    pub profile: Option<String>,
     /// Points of the proof of a proposal
     #[arg(long, value_name = "N", default_value_t = SAMPLES, value_parser = clap::value_parser!(u64).range(1..))]
     pub samples: u64,
@@ -89,9 +93,11 @@ pub fn run(args: &ImproveArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
     let shard = args.sharing.shard()?;
     anyhow::ensure!(shard.is_none() || !args.fix, "--shard does a part of the files; --fix is for a run without it");
     let stated = args.input.domains()?;
-    let Some(profile) = profile::named(&args.profile)? else {
+    let Some(profile) = profile::named(args.profile.as_deref().unwrap_or(BOUNDS))? else {
         anyhow::bail!("--profile: a proposal needs bounds; `none` has none");
     };
+    let profile: &Profile = &profile;
+    let devices = if args.profile.is_some() { vec![profile] } else { improve::shipped() };
     let opened = Wanted { stand_in: StandIn::Beside, ..Wanted::named(&args.lane) }.open()?;
     let missing: Vec<String> = opened.missing.iter().map(|(name, error)| format!("lane `{name}`: {error}")).collect();
     anyhow::ensure!(missing.is_empty(), "{}", missing.join("; "));
@@ -99,8 +105,9 @@ pub fn run(args: &ImproveArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
     let improved = |path: &Path| matches!(Written::of_path(&path.to_string_lossy()), Written::Glsl | Written::Wgsl);
     let (paths, searched) = below::shaders(&args.files, improved)?;
     let (inputs, known, broken) = (Inputs::new(&stated), Vec::new(), false);
-    let key = |shards| identity(args, shards, &paths, (&profile, &lanes));
-    let mut files = Files { args, paths: &paths, searched, profile: &profile, lanes: &lanes, inputs, known, broken };
+    let key = |shards| identity(args, shards, &paths, (profile, &lanes));
+    let mut files =
+        Files { args, paths: &paths, searched, profile, devices: &devices, lanes: &lanes, inputs, known, broken };
     args.sharing.run(&mut files, Outcomes(Vec::new()), key, &mut Terminal::new(args.format, color, out, err))
 }
 
@@ -117,7 +124,7 @@ fn identity(
     let identity = Identity::new("improve", args.input.seed, shards)
         .with("inputs", args.input.words())
         .with("--function", args.function.join("; "))
-        .with("--profile", &args.profile)
+        .with("--profile", args.profile.as_deref().unwrap_or_default())
         .with(PROFILE, &profile.name)
         .with("--samples", args.samples)
         .on(lanes.iter().map(|lane| lane.description()));
@@ -157,6 +164,7 @@ struct Files<'a> {
     /// They were found in a folder.
     searched: bool,
     profile: &'a Profile,
+    devices: &'a [&'a Profile],
     lanes: &'a [&'a dyn Lane],
     inputs: Inputs<'a>,
     known: Vec<String>,
@@ -207,8 +215,10 @@ impl Job for Files<'_> {
     fn run(&mut self, (number, unit): (u64, Self::Unit), at: &mut At<'_, Self>) -> anyhow::Result<()> {
         let outcome = match unit {
             Ok(Unit { source, line, subjects }) => {
-                let run = Run { args: self.args, source: &source, line, profile: self.profile, lanes: self.lanes };
-                run.file(&subjects)?.map_or_else(|| Outcome::Broken(String::new()), Outcome::Report)
+                let (args, profile, devices) = (self.args, self.profile, self.devices);
+                let (input, samples) = (&args.input, args.samples);
+                let run = Run { input, samples, source: &source, line, profile, devices, lanes: self.lanes };
+                run.file(&subjects, args.fix)?.map_or_else(|| Outcome::Broken(String::new()), Outcome::Report)
             }
             Err(outcome) => outcome,
         };
@@ -250,26 +260,55 @@ fn at_line(path: &std::path::Path) -> (PathBuf, Option<usize>) {
 
 /// One file under way.
 struct Run<'a> {
-    args: &'a ImproveArgs,
+    input: &'a InputArgs,
+    samples: u64,
     source: &'a IncludedText,
     line: Option<usize>,
     profile: &'a Profile,
+    devices: &'a [&'a Profile],
     lanes: &'a [&'a dyn Lane],
 }
 
+/// A formula that loses fewer bits than what stands at a line of a function.
+pub(super) fn better(
+    (source, input): (&IncludedText, &InputArgs),
+    (subject, domain): (&Subject, &Domain),
+    line: usize,
+) -> Option<String> {
+    if !matches!(Written::of(&source.file), Written::Glsl | Written::Wgsl) || subject.ready.is_err() {
+        return None;
+    }
+    let (profile, devices) = (by_name(BOUNDS)?, improve::shipped());
+    let run = Run { input, samples: SAMPLES, source, line: Some(line), profile, devices: &devices, lanes: &[] };
+    let found = run.expressions(std::slice::from_ref(&(subject, domain))).ok()??;
+    found.0.into_iter().find_map(|report| Some(report.proposals.into_iter().next()?.text))
+}
+
+/// What came of expressions, and functions that were not looked at.
+type Found = (Vec<improve::Report>, Vec<(String, String)>);
+
 impl Run<'_> {
     /// The report; none where there is no syntax tree.
-    fn file(&self, subjects: &[(Subject, Domain)]) -> anyhow::Result<Option<FileReport>> {
+    fn file(&self, subjects: &[(Subject, Domain)], fix: bool) -> anyhow::Result<Option<FileReport>> {
+        let subjects: Vec<(&Subject, &Domain)> = subjects.iter().map(|(subject, domain)| (subject, domain)).collect();
+        let Some((expressions, not_run)) = self.expressions(&subjects)? else { return Ok(None) };
+        let mut report = FileReport { file: self.source.name.clone(), expressions, not_run, ..FileReport::default() };
+        self.patched(&self.source.author()?, &mut report, fix)?;
+        Ok(Some(report))
+    }
+
+    fn expressions(&self, subjects: &[(&Subject, &Domain)]) -> anyhow::Result<Option<Found>> {
         let own = self.source.author()?;
         let module = if Written::of(&self.source.file) == Written::Wgsl { self.source.module().ok() } else { None };
-        let parsed = module.is_none().then(|| self.source.parsed(&self.args.input.define).shader);
+        let parsed = module.is_none().then(|| self.source.parsed(&self.input.define).shader);
         let tree = module.as_ref().and_then(|module| module.tree()).or(parsed.as_ref());
         let Some(shader) = tree else { return Ok(None) };
-        let mut report = FileReport { file: self.source.name.clone(), ..FileReport::default() };
+        let (mut expressions, mut not_run) = Found::default();
         let request = Request {
-            samples: self.args.samples,
-            seed: self.args.input.seed,
+            samples: self.samples,
+            seed: self.input.seed,
             profile: self.profile,
+            devices: self.devices,
             line: self.line,
             nodes: improve::NODES,
             time: Duration::from_secs(4),
@@ -278,38 +317,36 @@ impl Run<'_> {
         let halves = improve::halves(shader);
         for (subject, domain) in subjects {
             if halves.contains(&subject.name) {
-                report.not_run.push((subject.label.clone(), improve::OF_HALVES.to_owned()));
+                not_run.push((subject.label.clone(), improve::OF_HALVES.to_owned()));
                 continue;
             }
             if let Err(why) = &subject.ready {
-                report.not_run.push((subject.label.clone(), why.clone()));
+                not_run.push((subject.label.clone(), why.clone()));
                 continue;
             }
             let again = |file: &SourceFile| self.changed(file, subject);
             let found = improve::run((shader, &own, subject), domain, self.lanes, &request, &again);
-            report.expressions.extend(found.map_err(|why| anyhow::anyhow!("{}: {why}", subject.at))?);
+            expressions.extend(found.map_err(|why| anyhow::anyhow!("{}: {why}", subject.at))?);
             if interrupt::asked() {
                 break;
             }
         }
-        self.patched(&own, &mut report)?;
-        Ok(Some(report))
+        Ok(Some((expressions, not_run)))
     }
 
     /// The function in a changed file.
     fn changed(&self, file: &SourceFile, subject: &Subject) -> Result<Vec<Subject>, String> {
-        let text =
-            self.source.changed(file, &self.args.input.reading(None, None)).map_err(|error| error.to_string())?;
+        let text = self.source.changed(file, &self.input.reading(None, None)).map_err(|error| error.to_string())?;
         let wanted = [subject.name.clone()];
         let (errors, subjects) =
-            subjects((&wanted, &self.args.input.define), &text, &mut Vec::new()).map_err(|error| error.to_string())?;
+            subjects((&wanted, &self.input.define), &text, &mut Vec::new()).map_err(|error| error.to_string())?;
         errors
             .first()
             .map_or(Ok(subjects), |error| Err(format!("the changed text does not compile: {}", error.message)))
     }
 
     /// The patch of the first proposals, written where that is asked for.
-    fn patched(&self, own: &SourceFile, report: &mut FileReport) -> anyhow::Result<()> {
+    fn patched(&self, own: &SourceFile, report: &mut FileReport, fix: bool) -> anyhow::Result<()> {
         let mut edits = EditList::new();
         for expression in &report.expressions {
             if let Some(first) = expression.proposals.first() {
@@ -321,7 +358,7 @@ impl Run<'_> {
         }
         let changed = edits.apply(own.text()).context("internal error, please report: the proposals overlap")?;
         let after = SourceFile::new(own.name(), changed.text.as_str());
-        if self.args.fix {
+        if fix {
             write::replace(&self.source.path, own.text().as_bytes(), after.text().as_bytes())?;
             report.written = true;
         }

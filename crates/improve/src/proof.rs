@@ -11,7 +11,7 @@ use crate::term::Term;
 const BELIEVED: f64 = 1e-9;
 
 /// By how much a series, or the digits of a constant, may be off: a sixteenth of a unit in the last place of binary32.
-const ROUNDED: f64 = 1.0 / (1u64 << 28) as f64;
+pub(crate) const ROUNDED: f64 = 1.0 / (1u64 << 28) as f64;
 
 /// Points at which numbers of many bits are computed.
 const MANY_BITS: usize = 1 << 12;

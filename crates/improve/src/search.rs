@@ -5,8 +5,10 @@ use std::time::Duration;
 
 use egg::{AstSize, EGraph, Extractor, Id, Rewrite, Runner};
 
+use crate::error::WORST;
 use crate::extract::{extract, operations};
 use crate::graph::{Graph, Points, Reals, values};
+use crate::proof::ROUNDED;
 use crate::real::{Real, is_finite, near, same};
 use crate::regimes::{self, Split};
 use crate::single::{Losses, folded, run};
@@ -184,12 +186,22 @@ pub fn search(term: &Term, points: &Points, settings: &Settings) -> Result<Impro
         term.iter().filter_map(|node| if let Node::Leaf(k) = node { Some(*k) } else { None }).collect();
     if let (1, Some(leaf)) = (leaves.len(), leaves.iter().next()) {
         for new in series::of(term, *leaf, points.width()) {
-            all.push(losses(&new));
+            all.push(near_zero(losses(&new), &new, &points, &right)?);
             found.terms.push(new);
         }
     }
     propose(&mut found, &all);
     Ok(found)
+}
+
+/// The losses of a series, which is of no use where what it leaves out shows: so far a threshold must not let it go.
+fn near_zero(losses: Losses, series: &Term, points: &Points, right: &[Real]) -> Result<Losses, String> {
+    let reals = values(series, points)?;
+    let Some(root) = reals.last() else { return Ok(losses) };
+    // Half of what the proof admits, since thresholds lie between points.
+    let holds = |k: usize| (near(&root.reals[k]) - near(&right[k])).abs() <= 0.5 * ROUNDED * near(&right[k]).abs();
+    let kept = |(k, lost): (usize, f64)| if holds(k) { lost } else { WORST };
+    Ok(Losses(losses.0.iter().copied().enumerate().map(kept).collect()))
 }
 
 /// True where a term has the values of the original, or none.

@@ -8,13 +8,13 @@ use crate::real::{Computer, Real, exact, is_finite, near};
 use crate::term::{Binary, Node, Term};
 
 /// Points on either side of 0.
-const SIDE: i32 = 6;
+const SIDE: i32 = 8;
 
 /// The distance between them.
 const STEP: f32 = 1.0 / 256.0;
 
 /// Terms that a series has.
-const LENGTHS: [usize; 3] = [2, 3, 4];
+const LENGTHS: [usize; 5] = [2, 3, 4, 6, 8];
 
 /// A coefficient that is this part of the largest one is 0.
 const NOTHING: f64 = 1e-9;

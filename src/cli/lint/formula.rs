@@ -91,6 +91,7 @@ fn proposals(path: &Path, file: &SourceFile, lines: &BTreeSet<usize>) -> anyhow:
         shader.functions().filter(|(_, info)| here(info)).map(|(_, info)| info.name.name.clone()).collect();
     let names: Vec<String> = names.into_iter().filter(|name| !halves.contains(name)).collect();
     let Some(profile) = by_name(PROFILE) else { return Ok(Vec::new()) };
+    let devices = improve::shipped();
     let lane = embedded::open()?;
     let lanes: [&dyn Lane; 1] = [lane.as_ref()];
     let read = |source: &IncludedText, names: &[String]| -> anyhow::Result<Vec<Subject>> {
@@ -112,6 +113,7 @@ fn proposals(path: &Path, file: &SourceFile, lines: &BTreeSet<usize>) -> anyhow:
                 samples: SAMPLES,
                 seed: DEFAULT_SEED,
                 profile,
+                devices: &devices,
                 line: Some(line),
                 nodes: improve::NODES,
                 time: Duration::from_secs(4),

@@ -6,6 +6,7 @@
 //! ```
 
 mod algebra;
+mod devices;
 mod halves;
 mod lower;
 mod places;
@@ -24,6 +25,7 @@ use ::improve::{
 };
 use base::text::{Edit, EditList, SourceFile, Span};
 use base::value::Batch;
+use devices::Devices;
 use judge::profile::Profile;
 use lanes::Lane;
 use places::{Place, places};
@@ -31,6 +33,7 @@ use points::Drawer;
 use syntax::Shader;
 use syntax::real::Reals;
 
+pub use devices::{OnDevice, Source, shipped};
 pub use halves::halves;
 pub use lower::Leaf;
 pub use plot::Plot;
@@ -60,14 +63,26 @@ const JUDGED: u64 = 1 << 14;
 /// An expression that loses fewer bits than that, in the mean and at worst, is left alone unless it is asked for.
 const GOOD: [f64; 2] = [0.75, 3.0];
 
+/// Points at which bounds of devices are derived, and lanes run an expression.
+const ON_DEVICES: usize = 1 << 9;
+
+/// A gain of fewer bits in the mean than that is not worth operations of so many times the cost.
+const SMALL_GAIN: f64 = 0.5;
+const DEAR: f64 = 1.5;
+
+/// Of so many steps to a neighbouring input, one may go the wrong way more.
+const REVERSED: u64 = 256;
+
 /// What an improvement is asked for.
 pub struct Request<'p> {
     /// Points of the proof.
     pub samples: u64,
     /// Seed of the inputs.
     pub seed: u64,
-    /// What bounds are derived from.
+    /// What bounds of the whole function are derived from.
     pub profile: &'p Profile,
+    /// What a proposal must not be worse by.
+    pub devices: &'p [&'p Profile],
     /// Only expressions at this line of the author's file.
     pub line: Option<usize>,
     /// Nodes of the graph and the time that its saturation may take.
@@ -141,6 +156,8 @@ pub struct Proposal {
     pub after: String,
     /// What it loses.
     pub lost: Lost,
+    /// What the text and it lose on devices.
+    pub devices: Vec<OnDevice>,
     /// What it costs, in additions.
     #[serde(with = "crate::bits")]
     pub operations: f64,
@@ -236,6 +253,14 @@ struct One<'a> {
     shader: &'a Shader,
 }
 
+/// A candidate with what it and the text lose at points that the search has not seen.
+struct Measured<'a> {
+    candidate: &'a Candidate,
+    found: &'a Improved,
+    losses: [&'a Losses; 2],
+    points: &'a Points,
+}
+
 impl One<'_> {
     fn report(&self) -> Option<Report> {
         let searched = self.drawer.draw(0, SEARCHED);
@@ -268,7 +293,8 @@ impl One<'_> {
         let settings = Settings {
             nodes: self.request.nodes,
             time: self.request.time,
-            hyperbolic: has_hyperbolic(self.shader),
+            hyperbolic: has_hyperbolic(self.shader)
+                && self.request.devices.iter().all(|one| devices::has_hyperbolic(one)),
             ..Settings::default()
         };
         let found = match &self.place.known {
@@ -305,6 +331,12 @@ impl One<'_> {
         let losses = |term: &Term| Losses::of(&::improve::run(&::improve::folded(term), &fresh), &exact);
         let original = losses(own);
         report.lost = Lost::of(&original);
+        let some: Vec<usize> = (0..fresh.len().min(ON_DEVICES)).collect();
+        let (few, few_exact) = (fresh.chosen(&some), &exact[..some.len()]);
+        let devices = match found.candidates.is_empty() {
+            false => Devices::new(own, (&few, few_exact), self.request.devices, self.lanes),
+            true => Err("there is none".to_owned()),
+        };
         report.operations = found.operations;
         report.points = (found.points.len(), found.without_value);
         for candidate in &found.candidates {
@@ -319,7 +351,8 @@ impl One<'_> {
             };
             let new = Losses((0..fresh.len()).map(of).collect());
             let text = self.written(candidate, &found.terms);
-            match self.proposal(candidate, found, &original, &new, &fresh, text.clone()) {
+            let measured = Measured { candidate, found, losses: [&original, &new], points: &fresh };
+            match self.proposal(&measured, &devices, text.clone()) {
                 Ok(proposal) => report.proposals.push(proposal),
                 Err(why) => report.refused.push((text, why)),
             }
@@ -335,13 +368,11 @@ impl One<'_> {
 
     fn proposal(
         &self,
-        candidate: &Candidate,
-        found: &Improved,
-        original: &Losses,
-        new: &Losses,
-        fresh: &Points,
+        measured: &Measured<'_>,
+        devices: &Result<Devices<'_>, String>,
         text: String,
     ) -> Result<Proposal, String> {
+        let Measured { candidate, found, losses: [original, new], points: fresh } = *measured;
         let (before, after) = (Lost::of(original), Lost::of(new));
         if text.len() > LONGEST {
             return Err(format!("it has {} characters, too many to read", text.len()));
@@ -352,6 +383,18 @@ impl One<'_> {
                 "on other samples it loses {:.1} bits in the mean and {:.1} at worst, where the text loses {:.1} and {:.1}",
                 after.mean, after.worst, before.mean, before.worst
             ));
+        }
+        let gain = before.mean - after.mean;
+        if gain < SMALL_GAIN && candidate.operations > DEAR * found.operations {
+            return Err(format!(
+                "it gains {gain:.1} bits in the mean, and costs {:.0} instead of {:.0}",
+                candidate.operations, found.operations
+            ));
+        }
+        let on_devices = devices.as_ref().map_err(Clone::clone)?.beside(&candidate.split, &found.terms)?;
+        if let Some(worst) = on_devices.iter().filter(|one| one.is_worse()).max_by(|a, b| a.more().total_cmp(&b.more()))
+        {
+            return Err(format!("{} it loses {}", worst.shown(), worst.beside()));
         }
         let mut points = self.drawer.special();
         points.extend(self.drawer.draw(1 << 30, self.request.samples as usize));
@@ -377,7 +420,8 @@ impl One<'_> {
         let changed = edits.apply(self.file.text()).map_err(|error| error.to_string())?;
         let changed = SourceFile::new(self.file.name(), changed.text.as_str());
         let compared = self.judged(&changed)?;
-        not_worth(before.mean - after.mean, &compared)?;
+        not_worth(gain, &compared)?;
+        keeps_order(&compared)?;
         let worse =
             worse(original, new).map(|(share, k)| (share, self.named(&fresh.point(k)), [original.0[k], new.0[k]]));
         let names: Vec<&str> = self.place.leaves.iter().map(|leaf| leaf.text.as_str()).collect();
@@ -386,6 +430,7 @@ impl One<'_> {
             edit,
             after: changed.text().to_owned(),
             lost: after,
+            devices: on_devices,
             operations: candidate.operations,
             worse,
             proof,
@@ -448,6 +493,18 @@ fn not_worth(gain: f64, compared: &Compared) -> Result<(), String> {
         return Ok(());
     }
     Err(format!("it gains {gain:.1} bits in the mean, and the bound of a device is {ratio:.2} times as wide"))
+}
+
+/// A function that rises or falls everywhere is to do so in steps too.
+fn keeps_order(compared: &Compared) -> Result<(), String> {
+    let Some([before, after]) = &compared.resolution else { return Ok(()) };
+    if after.reversed <= before.reversed || after.reversed < after.inputs / REVERSED {
+        return Ok(());
+    }
+    Err(format!(
+        "{} of {} steps to a neighbouring input go the wrong way, instead of {}",
+        after.reversed, after.inputs, before.reversed
+    ))
 }
 
 /// Bits that a function loses in strict binary32, in the mean of some samples.

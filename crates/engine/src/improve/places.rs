@@ -5,12 +5,16 @@ use ::improve::{Node, Term};
 use super::lower::{Leaf, Lowering, MOST_NODES, is_float};
 use super::vectors;
 use base::text::Span;
+use syntax::Const;
 use syntax::Shader;
-use syntax::ast::{Block, Declaration, ExprId, ExprKind, Function, Stmt, StmtKind};
+use syntax::ast::{BinaryOp, Block, Callee, Declaration, ExprId, ExprKind, Function, Stmt, StmtKind};
 use syntax::real::Reals;
 
 /// Operations below which nothing is looked for.
 const LEAST_OPERATIONS: usize = 1;
+
+/// What a hash multiplies with, at the least.
+const HASH: f32 = 1000.0;
 
 /// An expression that can be written in another way.
 #[derive(Clone, Debug)]
@@ -93,8 +97,22 @@ impl PlaceFinder<'_> {
     }
 
     fn root(&mut self, id: ExprId, is_operand: bool) {
+        if self.is_hash(id) {
+            return;
+        }
         self.vectors(id, is_operand);
         self.expression(id, is_operand);
+    }
+
+    /// True of an expression of which a hash is made: a function times a large number that is not whole, of which all
+    /// digits but the last are thrown away.
+    fn is_hash(&self, id: ExprId) -> bool {
+        let large = |id: ExprId| matches!(self.shader.fold(id), Some(Const::Float(value)) if value.abs() >= HASH && value.fract() != 0.0);
+        let expr = self.shader.expr(id);
+        match expr.kind {
+            ExprKind::Binary { op: BinaryOp::Mul, left, right, .. } if large(left) || large(right) => true,
+            _ => expr.children().into_iter().any(|child| self.is_hash(child)),
+        }
     }
 
     /// Expressions about vectors whose other terms are known.
@@ -114,6 +132,16 @@ impl PlaceFinder<'_> {
         let expr = self.shader.expr(id);
         if let Some(place) = (!expr.from_macro).then(|| self.place(id, is_operand)).flatten() {
             self.places.push(place);
+            return;
+        }
+        // In an arm that a condition chooses, inputs have less than their range.
+        if let ExprKind::Ternary { condition, .. } = expr.kind {
+            self.expression(condition, true);
+            return;
+        }
+        let is_select =
+            matches!(&expr.kind, ExprKind::Call { callee: Callee::Name(name), .. } if name.name == "select");
+        if is_select && self.shader.wgsl().is_some() {
             return;
         }
         let operand = needs_operand(&expr.kind);

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::Summary;
-use engine::improve::{Lost, Proposal, Report};
+use engine::improve::{Lost, OnDevice, Proposal, Report, Source};
 
 #[derive(Serialize)]
 struct Root<'a> {
@@ -75,6 +75,7 @@ struct Refused<'a> {
 struct Formula<'a> {
     text: &'a str,
     lost: Bits,
+    devices: Vec<Device<'a>>,
     operations: f64,
     proof: Proof,
     worse: Option<Worse<'a>>,
@@ -85,6 +86,14 @@ struct Formula<'a> {
     reversed: Option<[u64; 2]>,
     lanes: Vec<Lane<'a>>,
     plot: Plot<'a>,
+}
+
+#[derive(Serialize)]
+struct Device<'a> {
+    name: &'a str,
+    of: &'static str,
+    before: Bits,
+    after: Bits,
 }
 
 #[derive(Serialize)]
@@ -179,12 +188,22 @@ fn expression(report: &Report) -> Expression<'_> {
     }
 }
 
+fn device(on: &OnDevice) -> Device<'_> {
+    let of = match on.source {
+        Source::Promise => "promise",
+        Source::Measurement => "measurement",
+        Source::Lane => "lane",
+    };
+    Device { name: &on.name, of, before: bits(on.lost[0]), after: bits(on.lost[1]) }
+}
+
 fn formula(one: &Proposal) -> Formula<'_> {
     let bounds = one.compared.accuracy.first();
     let resolution = one.compared.resolution.as_ref();
     Formula {
         text: &one.text,
         lost: bits(one.lost),
+        devices: one.devices.iter().map(device).collect(),
         operations: one.operations,
         proof: Proof {
             points: one.proof.points,

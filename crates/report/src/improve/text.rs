@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::Summary;
-use engine::improve::{Lost, Plot, Proposal, Report};
+use engine::improve::{Lost, OnDevice, Plot, Proposal, Report, Source};
 
 /// Heights of a plot.
 const BARS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
@@ -44,7 +44,7 @@ fn expression(text: &mut String, report: &Report, profile: &str, color: bool) {
             .taken_for
             .as_ref()
             .map_or_else(|| "stated".to_owned(), |what| format!("not stated; taken for {what}"));
-        let _ = writeln!(text, "  over {} from {low:?} to {high:?} ({from})", input.name);
+        let _ = writeln!(text, "  over {} from {:?} to {high:?} ({from})", input.name, low + 0.0);
     }
     if !report.inlined.is_empty() {
         let _ = writeln!(text, "  with {} written out", report.inlined.join(", "));
@@ -69,6 +69,7 @@ fn proposal(text: &mut String, number: usize, one: &Proposal, report: &Report, p
     let _ = writeln!(text, "\n  {number}. {}", one.text);
     let _ =
         writeln!(text, "     loses {}, instead of {}; costs {:.0}", lost(one.lost), lost(report.lost), one.operations);
+    devices(text, one);
     plot(text, &one.plot);
     let proof = &one.proof;
     let _ = write!(text, "     equal in real numbers at {} points", proof.points - proof.open);
@@ -98,6 +99,24 @@ fn proposal(text: &mut String, number: usize, one: &Proposal, report: &Report, p
         }
     }
     judged(text, one, profile);
+}
+
+/// What both lose on devices: of promises the one by which the proposal loses most, then each device.
+fn devices(text: &mut String, one: &Proposal) {
+    let promised = |one: &&OnDevice| one.source == Source::Promise;
+    let worst = one.devices.iter().filter(promised).max_by(|a, b| a.lost[1].mean.total_cmp(&b.lost[1].mean));
+    for on in worst.into_iter().chain(one.devices.iter().filter(|one| !promised(one))) {
+        let [before, after] = on.lost;
+        let _ = writeln!(
+            text,
+            "     {}: {:.2} → {:.2} bits in the mean, {:.1} → {:.1} at worst",
+            on.shown(),
+            before.mean,
+            after.mean,
+            before.worst,
+            after.worst
+        );
+    }
 }
 
 fn judged(text: &mut String, one: &Proposal, profile: &str) {
