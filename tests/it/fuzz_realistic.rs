@@ -75,6 +75,63 @@ fn what_is_right_is_silent() {
 }
 
 #[test]
+fn colours_and_shares_are_no_negative_numbers_unless_that_is_stated() {
+    let text = "vec3 linear(vec3 color) { return pow(color, vec3(2.2)); }";
+    is_silent(&only(text, ""));
+    assert!(only(text, "color=[-1,1]").fails());
+    is_silent(&only("float shade(float roughness) { return sqrt(1.0 - roughness); }", ""));
+    // Within [0, 1] nothing is left out, and other inputs are of any size.
+    assert!(only("vec3 straight(vec3 color, float alpha) { return color / alpha; }", "").fails());
+    assert!(only("float curve(float height) { return pow(height - 1.0, 2.2); }", "").fails());
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.glsl"), "vec3 over(vec3 color, float size) { return color / size; }\n").unwrap();
+    let told = run_in(folder.path(), "fuzz a.glsl --samples 2048 --lane embedded").expect(0);
+    assert!(told.out.contains("note: in [0, 1], as names say: `color`; `--domain`"), "{}", told.out);
+    let stated = run_in(folder.path(), "fuzz a.glsl --samples 2048 --lane embedded --domain color=[0,2]").expect(0);
+    assert!(!stated.out.contains("as names say"), "{}", stated.out);
+}
+
+#[test]
+fn the_angle_of_no_vector_is_a_warning() {
+    is_warning(&only("float angle(vec2 p) { return atan(p.y, p.x); }", ""), &[FuzzFindingKind::Undefined]);
+    is_silent(&only("float angle(vec2 p) { return p.x == 0.0 ? 0.0 : atan(p.y, p.x); }", ""));
+}
+
+#[test]
+fn the_first_line_names_what_the_author_wrote() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.glsl"), "vec3 turned(vec3 v) { return normalize(v); }\n").unwrap();
+    let told = run_in(folder.path(), "fuzz a.glsl --samples 2048 --lane embedded").expect(0).out;
+    assert!(told.contains("turned: `normalize` where it has no finite value"), "{told}");
+    assert!(told.contains("`normalize(v)` of a zero vector"), "{told}");
+}
+
+#[test]
+fn a_better_formula_is_named_only_where_there_is_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "// shadercheck: x in [1, 1e7]\nfloat rise(float x) { return sqrt(x + 1.0) - sqrt(x); }\n\
+                // shadercheck: p in [0, 100]\nfloat hash(vec2 p) { return fract(sin(dot(p, vec2(12.9898, 78.233))) * 43758.5453); }\n";
+    fs::write(folder.path().join("a.glsl"), text).unwrap();
+    let told = run_in(folder.path(), "fuzz a.glsl --samples 2048 --lane embedded").out;
+    let of = |function: &str| told.split("\n\n").find(|one| one.contains(&format!("{function}: ill-"))).unwrap_or("");
+    assert!(of("rise").contains("improve    shadercheck improve a.glsl:2 writes `1.0 / (sqrt("), "{told}");
+    assert!(!of("hash").is_empty() && !of("hash").contains("improve  "), "{told}");
+}
+
+#[test]
+fn half_floats_and_wgsl_are_told_in_their_own_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "enable f16;\n// shadercheck: x in [300, 400]\nfn square(x: f16) -> f16 { return x * x; }\n";
+    fs::write(folder.path().join("a.wgsl"), text).unwrap();
+    let told = run_in(folder.path(), "fuzz a.wgsl --samples 256 --lane embedded").out;
+    assert!(told.contains("is too large for binary16") && told.contains("binary16 gives inf"), "{told}");
+    let sum = "fn error_of(a: f32, b: f32) -> f32 { let s = a + b; return b - (s - a); }\n";
+    fs::write(folder.path().join("b.wgsl"), sum).unwrap();
+    let told = run_in(folder.path(), "fuzz b.wgsl --samples 2048 --lane embedded --notes").out;
+    assert!(!told.contains("precise"), "{told}");
+}
+
+#[test]
 fn a_stated_input_or_an_arbitrary_run_makes_it_an_error() {
     assert!(only("vec3 turned(vec3 v) { return normalize(v); }", "v=[-1,1]").fails());
     let folder = tempfile::tempdir().unwrap();

@@ -303,6 +303,7 @@ impl Dispatched {
             diagnosis: None,
             reproduce: Some(command.to_owned()),
             own_translator: false,
+            better: None,
         }
     }
 

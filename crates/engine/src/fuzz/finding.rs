@@ -257,6 +257,9 @@ pub struct Finding {
     /// True for a deviation of a lane that comes from the translator which this tool puts between a text and a driver.
     #[serde(default)]
     pub own_translator: bool,
+    /// A formula that loses fewer bits, of what loses digits.
+    #[serde(default)]
+    pub better: Option<String>,
 }
 
 /// What outputs are where nothing else is said.
@@ -317,6 +320,9 @@ pub struct FunctionReport {
     /// What each input is taken for where nothing is stated; empty where that does not matter.
     #[serde(default)]
     pub taken_for: Vec<Option<String>>,
+    /// Inputs that are in [0, 1] in every sample, since their names say so.
+    #[serde(default)]
+    pub presumed: Vec<String>,
     /// What samplers were bound to, one line each.
     pub textures: Vec<String>,
     /// Built-in values that are 0 in every sample: a compute stage is run as the first invocation of a dispatch, alone.
@@ -356,6 +362,7 @@ impl FunctionReport {
             not_run: None,
             inputs: Vec::new(),
             taken_for: Vec::new(),
+            presumed: Vec::new(),
             textures: Vec::new(),
             first_of_dispatch: Vec::new(),
             max_error: 0.0,

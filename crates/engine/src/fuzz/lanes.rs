@@ -216,6 +216,7 @@ impl<'a> OnLane<'a> {
             diagnosis: None,
             reproduce: None,
             own_translator: false,
+            better: None,
         };
         if let Some(sample) = self.unstable.first() {
             findings.push(Finding {

@@ -19,6 +19,7 @@ mod lanes;
 mod lowered;
 mod modules;
 mod name;
+mod presumed;
 mod realistic;
 mod run;
 mod scan;

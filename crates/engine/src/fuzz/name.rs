@@ -77,6 +77,11 @@ impl Named {
             && rest <= size * 2f64.powi(-20)
     }
 
+    /// True for `atan` of two zeros.
+    pub fn is_angle_of_nothing(&self) -> bool {
+        self.why.as_deref().is_some_and(|why| why.starts_with("`atan` of 0, 0"))
+    }
+
     /// What makes it one finding with others. A pair of outputs is one transformation, and an output crosses zero, however
     /// many operations show it.
     pub fn key(&self) -> Key {

@@ -3,21 +3,22 @@
 use std::collections::HashMap;
 
 use super::crossing;
-use super::domain::{Domain, InputDomain, Law, Standing, Within};
+use super::domain::{Domain, Standing, Within};
 use super::finding::{Finding, FunctionReport, FuzzFindingKind, Part, Severity};
 use super::generate::{drawn, stream_key};
 use super::host_numbers;
 use super::lanes::OnLane;
 use super::lowered::Lowered;
 use super::name::{Key, Named, name, place, undefined};
+use super::presumed::{described, presumed};
 use super::realistic::Realistic;
 use super::scan::{Look, Trouble, scan};
 use super::shrinking::smallest;
 use super::stage;
 use super::subject::{Ready, Subject};
-use super::words::{cause, message};
+use super::words::{cause, message, word_of};
 use crate::{InputValue, activity, dispatch};
-use base::value::{Batch, Record, Scalar};
+use base::value::{Batch, Scalar};
 use judge::profile::Promises;
 use judge::verdict::{Fenced, Oracle, Reference, Rounds, edges};
 use lanes::{Lane, LaneName, embedded, interrupt};
@@ -79,6 +80,8 @@ struct FindingGroup {
 struct Looked<'a> {
     ready: &'a Ready,
     domain: &'a Domain,
+    /// The same for inputs that nobody stated.
+    presumed: &'a Domain,
     /// Samples by what inputs are taken for come first; otherwise all are alike.
     in_parts: bool,
     /// The usual size of each output word.
@@ -86,8 +89,13 @@ struct Looked<'a> {
 }
 
 impl Looked<'_> {
+    /// The domain of a part.
+    fn of(&self, part: Part) -> &Domain {
+        if self.in_parts && part == Part::Arbitrary { self.presumed } else { self.domain }
+    }
+
     fn standing(&self, part: Part, sample: &Sample) -> Standing {
-        let counts = self.domain.counts(sample);
+        let counts = self.domain.counts(sample) && self.of(part).keeps(sample);
         match part {
             Part::Realistic if self.in_parts => Standing::Counts,
             _ if !counts => Standing::Extreme,
@@ -195,7 +203,9 @@ fn run_on(
         let all = ready.realistic.taken_for(domain);
         report.taken_for = all.into_iter().map(|taken| taken.map(str::to_owned)).collect();
     }
-    let looked = Looked { ready, domain, in_parts, sizes: &sizes };
+    let (presumed, names) = presumed(ready, domain);
+    report.presumed = if in_parts { names } else { Vec::new() };
+    let looked = Looked { ready, domain, presumed: &presumed, in_parts, sizes: &sizes };
     let lowered = Lowered::new(ready);
     let mut running = FuzzRun { looked, key, case, size, on, groups: HashMap::new(), lowered, report };
     let second = if in_parts { samples / SECOND } else { 0 };
@@ -236,9 +246,9 @@ impl<'a> FuzzRun<'a> {
 
     /// Samples of a part, from number `first` on.
     fn batch(&self, part: Part, first: u64, count: usize) -> Batch {
-        let Looked { ready, domain, in_parts, .. } = self.looked;
+        let Looked { ready, in_parts, .. } = self.looked;
         let realistic = in_parts && part == Part::Realistic;
-        let drawn = || drawn(ready, domain, self.key, (first, count), realistic);
+        let drawn = || drawn(ready, self.looked.of(part), self.key, (first, count), realistic);
         self.case.as_ref().map_or_else(drawn, |sample| Sample::batch(std::slice::from_ref(sample)))
     }
 
@@ -290,10 +300,11 @@ impl<'a> FuzzRun<'a> {
 
     /// Runs what lies beside the edges of a few samples.
     fn edges(&mut self, oracle: &Oracle, samples: u64) {
-        let Looked { domain, in_parts, .. } = self.looked;
+        let in_parts = self.looked.in_parts;
         let pilot = self.batch(Part::Realistic, 0, samples.min(PILOT) as usize);
         // What holds beside an edge alone needs an input that is met by chance.
         let part = if in_parts { Part::Arbitrary } else { Part::Realistic };
+        let domain = self.looked.of(part);
         let found = edges(oracle, &|sample: &Sample| domain.keeps(sample), &pilot, Vec::new()).samples;
         self.report.edges = found.len() as u64;
         if found.is_empty() {
@@ -359,21 +370,6 @@ fn own_translator(lanes: &[(&dyn Lane, Promises)], program: &Program, report: &m
             finding.message
         );
     }
-}
-
-/// The name of a function as a word of a command.
-fn word_of(label: &str) -> String {
-    let plain = label.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-    if plain { label.to_owned() } else { format!("'{label}'") }
-}
-
-/// Each input with its laws.
-fn described(ready: &Ready, domain: &Domain) -> Vec<(String, Vec<Law>)> {
-    let side = |record: &Record, inputs: &[InputDomain]| -> Vec<(String, Vec<Law>)> {
-        let all = record.fields().iter().zip(inputs);
-        all.map(|(field, input)| (format!("{} {}", field.shape, field.name), input.laws.clone())).collect()
-    };
-    [side(&ready.kernel.invocation, &domain.invocation), side(&ready.kernel.case, &domain.case)].concat()
 }
 
 /// The sample of `--case`.
@@ -494,6 +490,10 @@ fn add_findings(
         let severity = match key.0 {
             // GLSL 4.60, 4.1.3; WGSL, 8.7; `OpIAdd` of SPIR-V, which HLSL and Slang become: the lower 32 bits are kept.
             FuzzFindingKind::IntegerOverflow if !request.strict_integers => Severity::Note,
+            // The angle of a point that may be the centre: a place where programs come.
+            FuzzFindingKind::Undefined if !stated && group.named.is_angle_of_nothing() => {
+                FuzzFindingKind::NoValue.severity(group.standing, stated).max(Severity::Warning)
+            }
             kind => kind.severity(group.standing, stated),
         };
         let guessed = || host_numbers::are_needed(ready, domain, looked.sizes, &group.sample, key);
@@ -527,6 +527,7 @@ fn add_findings(
             && (request.notes || severity != Severity::Note);
         let found = (group.sample.clone(), Some(group.named.clone()));
         let (sample, named) = if shrunk {
+            let domain = if group.standing == Standing::Counts { domain } else { looked.of(Part::Arbitrary) };
             smallest((ready, looked.sizes), domain, found, key, looked.within(group.standing))
         } else {
             found
@@ -569,13 +570,15 @@ fn finding(
             | FuzzFindingKind::RoundingOrder
             | FuzzFindingKind::TooLarge
     );
+    let there = place(&ready.program, &ready.executable, named.site);
+    let wrote = there.as_ref().map(|place| place.text.as_str());
     Finding {
         kind: named.kind,
         severity,
         part: looked.part(group.standing),
-        cause: Some(cause(named)),
-        message: message(named, &shown),
-        place: place(&ready.program, &ready.executable, named.site),
+        cause: Some(cause(named, wrote)),
+        message: message(named, &shown, wrote, &ready.program),
+        place: there,
         lane: None,
         count: group.count,
         counting: group.counting,
@@ -591,5 +594,6 @@ fn finding(
         diagnosis: None,
         reproduce: Some(reproduce(sample)),
         own_translator: false,
+        better: None,
     }
 }

@@ -51,6 +51,9 @@ struct Function<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     weak: Option<&'static str>,
     inputs: Vec<Domain<'a>>,
+    /// Inputs that are in [0, 1] in every sample, as their names say.
+    #[serde(skip_serializing_if = "<[String]>::is_empty")]
+    presumed: &'a [String],
     textures: &'a [String],
     max_error: f64,
     lanes: Vec<OnLane>,
@@ -110,6 +113,9 @@ struct FindingJson<'a> {
     also: Vec<Also<'a>>,
     cause: Option<String>,
     reproduce: Option<&'a str>,
+    /// A formula that `improve` writes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    better: Option<&'a str>,
 }
 
 #[derive(Serialize)]
@@ -185,6 +191,7 @@ fn function(report: &FunctionReport) -> Function<'_> {
                 taken_for: report.taken_for.get(k).and_then(Option::as_deref),
             })
             .collect(),
+        presumed: &report.presumed,
         textures: &report.textures,
         max_error: report.max_error,
         lanes: report.lanes.iter().map(on_lane).collect(),
@@ -235,6 +242,7 @@ fn found(finding: &Finding) -> FindingJson<'_> {
         also: finding.also.iter().map(|(at, samples)| Also { at: &at.at, text: &at.text, samples: *samples }).collect(),
         cause: finding.diagnosis.as_ref().and_then(|d| d.origin.as_ref()).map(ToString::to_string),
         reproduce: finding.reproduce.as_deref(),
+        better: finding.better.as_deref(),
     }
 }
 

@@ -9,7 +9,7 @@ use crate::word::word;
 use base::diagnostic::Lang;
 use base::text::counted;
 use engine::InputValue;
-use engine::fuzz::{Finding, FunctionReport, FuzzFindingKind, LaneReport, Part, Severity};
+use engine::fuzz::{Finding, FunctionReport, LaneReport, Part, Severity};
 use judge::verdict::diagnosis::Place;
 
 /// Colours of a terminal; empty strings elsewhere.
@@ -120,8 +120,26 @@ pub fn findings(file: &FileReport, notes: bool, color: bool) -> String {
         }
     }
     unstated(&mut text, file, color);
+    presumed(&mut text, file);
     text
 }
+
+/// The inputs that are in [0, 1] since names say so, in one line.
+fn presumed(text: &mut String, file: &FileReport) {
+    let mut names: Vec<&str> = file.functions.iter().flat_map(|one| &one.presumed).map(String::as_str).collect();
+    names.sort_unstable();
+    names.dedup();
+    if names.is_empty() || text.is_empty() {
+        return;
+    }
+    let (shown, more) =
+        names.get(..NAMES).filter(|_| names.len() > NAMES).map_or((&names[..], ""), |some| (some, ", …"));
+    let shown = shown.join("`, `");
+    let _ = writeln!(text, "\nnote: in [0, 1], as names say: `{shown}`{more}; `--domain` states another range");
+}
+
+/// Names of inputs that are shown in one line.
+const NAMES: usize = 6;
 
 /// True for what needs arbitrary inputs: it is reported by its cause.
 fn is_unstated(finding: &Finding) -> bool {
@@ -156,7 +174,11 @@ fn unstated(text: &mut String, file: &FileReport, color: bool) {
         let _ = writeln!(text, "\n{}warning: {who}: {cause}, at arbitrary inputs{}", style.bold, style.off);
         let mut label = "at";
         for (function, finding) in found.iter().take(PLACES) {
-            let at = finding.place.as_ref().map_or_else(|| function.at.clone(), |p| format!("{}: `{}`", p.at, p.text));
+            let at = match &finding.place {
+                Some(place) if finding.message.contains(&format!("`{}`", place.text)) => place.at.to_string(),
+                Some(place) => format!("{}: `{}`", place.at, place.text),
+                None => function.at.clone(),
+            };
             let _ = writeln!(text, "  {label:<10} {at}: {}", finding.message);
             label = "";
         }
@@ -246,13 +268,13 @@ fn one(text: &mut String, function: &FunctionReport, finding: &Finding, color: b
     }
 }
 
-/// The command that looks for a better formula, for what loses digits in a file of GLSL or WGSL.
+/// The command that writes a better formula, where there is one.
 fn better(finding: &Finding) -> Option<String> {
-    let at = &finding.place.as_ref().filter(|_| finding.kind == FuzzFindingKind::IllConditioned)?.at;
-    let plain = |c: char| c.is_ascii_alphanumeric() || "._-/".contains(c);
-    let other = [".hlsl", ".slang", ".spv"].iter().any(|ending| at.file.ends_with(ending));
-    let line = at.position.filter(|_| !other && at.file.contains('.') && at.file.chars().all(plain))?.line;
-    Some(format!("shadercheck improve {}:{line}", at.file))
+    let (at, formula) = (&finding.place.as_ref()?.at, finding.better.as_ref()?);
+    let line = at.position?.line;
+    let plain = at.file.chars().all(|c| c.is_alphanumeric() || "._-/".contains(c));
+    let quote = if plain { "" } else { "'" };
+    Some(format!("shadercheck improve {quote}{}:{line}{quote} writes `{formula}`", at.file))
 }
 
 /// The last lines: lanes that were missing, what was not told, and everything counted.

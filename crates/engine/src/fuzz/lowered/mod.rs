@@ -183,6 +183,7 @@ impl<'a> Lowered<'a> {
                 diagnosis: None,
                 reproduce: Some(reproduce(&sample)),
                 own_translator: false,
+                better: None,
             }
         };
         groups.into_iter().map(one).collect()
