@@ -196,3 +196,11 @@ fn a_normal_matrix_belongs_to_its_model_matrix() {
     assert!(!broken(&of("normalMatrix", "1.0 : sqrt(-1.0 - p.x * p.x)")));
     assert!(broken(&of("other", "1.0 : sqrt(-1.0 - p.x * p.x)")));
 }
+
+#[test]
+fn a_function_that_no_lane_ran_is_not_called_ok() {
+    let mut report = only("float twice(float x) { return 2.0 * x; }", "");
+    assert!(report.ran() && report::fuzz::line(&report, false).starts_with("ok "));
+    report.lanes.iter_mut().for_each(|lane| lane.not_run = Some("not supported".to_owned()));
+    assert!(!report.ran() && report::fuzz::line(&report, false).starts_with("-- "));
+}

@@ -381,6 +381,12 @@ impl FunctionReport {
         self.of(Severity::Finding).next().is_some()
     }
 
+    /// True where a lane ran it, or its dispatches were looked at.
+    pub fn ran(&self) -> bool {
+        let on_a_lane = || self.lanes.is_empty() || self.lanes.iter().any(|lane| lane.not_run.is_none());
+        self.not_run.is_none() && (self.dispatches > 0 || on_a_lane())
+    }
+
     /// Why little is known of a function in which nothing is wrong: what leaves most samples undetermined, where that is more
     /// than half of them on every lane that ran it. The same makes a suite weak.
     pub fn weak(&self) -> Option<Reason> {

@@ -77,9 +77,9 @@ impl Summary {
         for file in &self.files {
             totals.broken += usize::from(!file.errors.is_empty());
             for function in &file.functions {
-                match function.not_run {
-                    None => totals.run += 1,
-                    Some(_) => totals.not_run += 1,
+                match function.ran() {
+                    true => totals.run += 1,
+                    false => totals.not_run += 1,
                 }
                 totals.findings += function.of(Severity::Finding).count();
                 totals.warnings += function.of(Severity::Warning).count();

@@ -41,6 +41,7 @@ pub fn line(function: &FunctionReport, color: bool) -> String {
                 (true, _) => ("FAIL", style.bad),
                 (false, Some(_)) => ("weak", style.weak),
                 (false, None) if function.of(Severity::Warning).next().is_some() => ("warn", style.weak),
+                (false, None) if !function.ran() => ("--  ", style.weak),
                 (false, None) => ("ok  ", style.good),
             };
             let severities = [(Severity::Finding, "finding"), (Severity::Warning, "warning"), (Severity::Note, "note")];
