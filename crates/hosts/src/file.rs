@@ -101,9 +101,8 @@ impl HostFile {
         self.is_script() && (crate::script::is_of_the_web(self.file.name()) || android())
     }
 
-    /// True where the shaders of a script reach OpenGL as they stand, but for what its project has in strings: it gives them
-    /// to OpenGL, or another file of the project does (`given`) and no library is used beside.
-    pub fn hands_on(&self, given: bool) -> bool {
+    /// True where the shaders of a script reach OpenGL as they stand, but for what its project has in strings.
+    pub fn hands_on(&self, given: script::Given) -> bool {
         script::hands_on(self.origin.as_ref().map_or(&self.file, |origin| &origin.host), given)
     }
 

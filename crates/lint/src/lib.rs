@@ -192,7 +192,8 @@ fn leave_doubtful_to_strict(project: &Project, told: &mut [(Level, Diagnostic)])
         let may_be_supplied = || supplied.may_be(error);
         let doubtful = || shader.is_doubtful(error) || rewritten.contains(error.file.name());
         let of_host = || open::is_of_host(project, &shader.shader, error);
-        let mut in_front = || fronts.get_or_insert_with(|| Fronts::of(project)).may_take_away(shader, error);
+        let mut in_front =
+            || Fronts::concern(error) && fronts.get_or_insert_with(|| Fronts::of(project)).may_take_away(shader, error);
         if doubtful() || (about_a_name && (may_be_supplied() || of_host())) || in_front() {
             *level = Level::Strict;
         }

@@ -5,8 +5,8 @@ use std::collections::{HashMap, HashSet};
 use base::diagnostic::Diagnostic;
 use hosts::HostFile;
 use hosts::script::InFront;
-use syntax::TokenKind;
 use syntax::errors::{self, Around};
+use syntax::{Profile, TokenKind};
 
 use super::open;
 use super::project::{Project, ShaderFile};
@@ -63,6 +63,12 @@ impl Fronts {
         Self { words, pages, renames }
     }
 
+    /// True for an error that something in front of a text can take away.
+    pub fn concern(error: &Diagnostic) -> bool {
+        let stated = open::rests(error).intersects(Around::ENABLED | Around::TYPES);
+        open::is_about_a_name(error) || error.code == errors::RESERVED || stated
+    }
+
     /// True where what may stand in front of a shader may take away an error that was found in it.
     pub fn may_take_away(&self, shader: &ShaderFile, error: &Diagnostic) -> bool {
         let word = error.file.slice(error.span);
@@ -73,8 +79,8 @@ impl Fronts {
         if open::is_about_a_name(error) {
             return all().any(|words| match words {
                 InFront::Words(words) => words.contains(word),
-                // What is put together goes in front of texts of scripts.
-                InFront::Any => host.is_some(),
+                // What is put together goes in front of texts that state no version, and of those of scripts.
+                InFront::Any => host.is_some() || shader.shader.version().span.is_none(),
             });
         }
         if error.code == errors::RESERVED {
@@ -82,8 +88,10 @@ impl Fronts {
         }
         let states =
             || ["version", "extension", "precision"].iter().any(|word| all().any(|words| words.may_have(word)));
-        let is_string = shader.origin.is_some() && shader.shader.version().span.is_none();
-        is_string && open::rests(error).contains(Around::ENABLED) && states()
+        let version = shader.shader.version();
+        // No version of OpenGL ES takes what the first does not, but for what an extension brings.
+        let stated = if version.profile == Profile::Es { Around::ENABLED } else { Around::ENABLED | Around::TYPES };
+        version.span.is_none() && open::rests(error).intersects(stated) && states()
     }
 }
 

@@ -43,7 +43,8 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic], stated: Around) -> Vec<bo
     let mut kept = under_conditions(shader, &surroundings.asked, found);
     if shader.version().span.is_none() {
         // What is written for the first versions is compiled as such where nobody can state another.
-        let old = (is_old(shader) || stated.contains(Around::ENABLED)) && has_main(shader);
+        let of_es = shader.version().profile == Profile::Es && stated.contains(Around::ENABLED);
+        let old = (is_old(shader) || of_es) && has_main(shader);
         let old = old && !open.contains(Around::ENABLED);
         under_versions(shader, found, &mut kept, if old { &ANY_VERSION[..1] } else { &ANY_VERSION });
     }

@@ -24,7 +24,7 @@ use hosts::cpp::{Fed, named_shaders, wrappers_of_project};
 use hosts::document::{Document, Listing};
 use hosts::language::{Language, SHADER_EXTENSIONS, language_of, stage_of};
 use hosts::paths::{beside, extension, file_name, normalise, stem};
-use hosts::script;
+use hosts::script::Given;
 use hosts::sections::{sections, template};
 use hosts::{HostFile, HostTree, ShaderRef};
 
@@ -52,14 +52,8 @@ fn is_other_language(path: &str, text: &str) -> bool {
 struct KnownHosts {
     /// The prelude that texts get.
     wanted: Wanted,
-    /// A script or a page of the project gives texts to OpenGL.
-    given: bool,
-}
-
-/// True for a script, or a page, that gives texts to OpenGL.
-fn gives_to_gl(input: &Input) -> bool {
-    let of_scripts = matches!(language_of(input.file.name()), Some(Language::Script) | None);
-    of_scripts && script::gives_to_gl(input.file.text())
+    /// Whether something in the project gives texts to OpenGL.
+    given: Given,
 }
 
 /// A text to lint. Its name is its path, with `/` between the parts.
@@ -188,7 +182,7 @@ impl Read {
         let KnownHosts { wanted, given } = known;
         let path = normalise(input.file.name());
         if let Some(stage) = input.stage.filter(|_| language_of(&path) != Some(Language::Wgsl)) {
-            let shader = input.shader(wanted, || ShaderFile::of_file(input, stage, wanted));
+            let shader = input.shader(known, || ShaderFile::of_file(input, stage, known));
             return (path, Some(Self::Shader(shader)));
         }
         let read = match language_of(&path) {
@@ -205,10 +199,10 @@ impl Read {
                     None
                 } else {
                     let stage = stage_of(&input.file).unwrap_or(stage);
-                    Some(Self::Shader(input.shader(wanted, || ShaderFile::of_file(input, stage, wanted))))
+                    Some(Self::Shader(input.shader(known, || ShaderFile::of_file(input, stage, known))))
                 }
             }
-            Some(Language::Wgsl) => Some(Self::Shader(input.shader(wanted, || ShaderFile::wgsl(input)))),
+            Some(Language::Wgsl) => Some(Self::Shader(input.shader(known, || ShaderFile::wgsl(input)))),
             Some(Language::Host) => Some(Self::Host(Box::new(input.host()))),
             Some(Language::Script) => Some(Self::Host(Box::new(input.script()))),
             None => Document::read(&input.file).map(|document| Self::document(input, document, given)),
@@ -216,7 +210,7 @@ impl Read {
         (path, read)
     }
 
-    fn document(input: &Input, document: Document, given: bool) -> Self {
+    fn document(input: &Input, document: Document, given: Given) -> Self {
         let shaders = document.shaders.into_iter().map(|l| ShaderFile::of_document(input, l, given)).collect();
         let host = |listing: Listing, script: bool| {
             let text = input.with_file(SourceFile::new(listing.name, listing.literal.text.as_str()));
@@ -245,7 +239,7 @@ impl Project {
         let (context, reported): (Vec<&Input>, Vec<&Input>) = files.iter().partition(|f| !f.reported);
         let inputs: Vec<&Input> = context.into_iter().chain(reported).collect();
         let wanted = config.prelude.in_project(inputs.iter().map(|i| i.file.text()));
-        let known = KnownHosts { wanted, given: inputs.iter().any(|input| gives_to_gl(input)) };
+        let known = KnownHosts { wanted, given: Given::of(inputs.iter().map(|input| &input.file)) };
         let read: Vec<(String, Option<Read>)> = inputs.into_par_iter().map(|input| Read::new(input, known)).collect();
         for (path, read) in read {
             match read {

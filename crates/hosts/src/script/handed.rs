@@ -9,7 +9,45 @@ use base::text::SourceFile;
 
 use super::host_text::{HostText, host_texts};
 use super::language::Language;
-use crate::{HostFile, marks};
+use crate::{HostFile, concerns_shaders, marks};
+
+/// Whether something in a project gives texts of shaders to OpenGL.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Given {
+    /// Nothing in sight does.
+    #[default]
+    Nowhere,
+    /// A script or a page does.
+    Somewhere,
+    /// A script or a page does, and nothing in the project uses a library or is host code of another kind.
+    InSight,
+}
+
+impl Given {
+    /// What the files of a project do.
+    pub fn of<'f>(files: impl Iterator<Item = &'f SourceFile>) -> Self {
+        let (mut gives, mut alone) = (false, true);
+        for file in files {
+            let text = file.text();
+            match Language::of(file.name()) {
+                Some(Language::JavaScript) => {
+                    gives |= gives_to_gl(text);
+                    alone = alone && imported(text).all(is_of_the_project);
+                }
+                Some(_) => {
+                    let other = gives_to_gl(text);
+                    (gives, alone) = (gives || other, alone && !other);
+                }
+                None => alone = alone && !(Language::like_c(file.name()).is_some() && concerns_shaders(text)),
+            }
+        }
+        match (gives, alone) {
+            (false, _) => Self::Nowhere,
+            (true, false) => Self::Somewhere,
+            (true, true) => Self::InSight,
+        }
+    }
+}
 
 /// The function of OpenGL that takes the text of a shader, as languages spell it.
 const TAKES: [&str; 3] = ["shaderSource", "glShaderSource", "shader_source"];
@@ -46,6 +84,9 @@ const DECLARES: [&str; 28] = [
     "mediump",
 ];
 
+/// The same as arguments with a name, in Python.
+const TAKEN_AS: [&str; 2] = ["vertex_shader=", "fragment_shader="];
+
 /// Directives that say how all behind them is read.
 const DIRECTIVES: [&str; 3] = ["#define", "#version", "#extension"];
 
@@ -58,23 +99,29 @@ pub fn gives_to_gl(text: &str) -> bool {
             !before.is_alphanumeric() && before != '_' && text[at + word.len()..].trim_start().starts_with('(')
         })
     };
-    TAKES.iter().any(|word| called(word))
+    TAKES.iter().any(|word| called(word)) || TAKEN_AS.iter().any(|name| text.contains(name))
 }
 
 /// True for a script or a page whose shaders reach OpenGL as they stand, but for what its project has in strings: it gives
-/// them to OpenGL, or another file of the project does (`given`), and no library is known to be used beside.
-pub fn hands_on(file: &SourceFile, given: bool) -> bool {
+/// them to OpenGL, or another file of the project does, and no library is known to be used beside.
+pub fn hands_on(file: &SourceFile, given: Given) -> bool {
     let (text, gives) = (file.text(), gives_to_gl(file.text()));
+    let given_elsewhere = given > Given::Nowhere;
     match Language::of(file.name()) {
         Some(Language::JavaScript) => {
             let mut names = imported(text).peekable();
-            // Where a file imports nothing and exports its texts, nothing says who takes them.
-            let known = gives || (given && names.peek().is_some());
-            known && names.all(|name| name.starts_with(['.', '/']) && !name.starts_with("//"))
+            // Where a file imports nothing, what takes its texts may be a library that it does not name.
+            let known = gives || given == Given::InSight || (given_elsewhere && names.peek().is_some());
+            known && names.all(is_of_the_project)
         }
-        Some(Language::Java | Language::Kotlin) => gives || (given && imports_its_own(text)),
+        Some(Language::Java | Language::Kotlin) => gives || (given_elsewhere && imports_its_own(text)),
         _ => gives,
     }
+}
+
+/// True for the name of a module or script that is a file of the project.
+fn is_of_the_project(name: &str) -> bool {
+    name.starts_with(['.', '/']) && !name.starts_with("//")
 }
 
 /// True for a file in Java or Kotlin whose imports are all of its own package or of the platform.

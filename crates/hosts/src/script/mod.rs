@@ -30,7 +30,7 @@ use code::Code;
 use program::Programs;
 use strings::Text;
 
-pub use handed::{InFront, gives_to_gl, hands_on};
+pub use handed::{Given, InFront, hands_on};
 pub use host_text::{HostText, host_texts};
 use language::Language;
 pub use language::SCRIPT_EXTENSIONS;

@@ -14,7 +14,7 @@ fn script(vertex: &str, fragment: &str) -> String {
     )
 }
 
-const VERTEX: &str = "attribute vec4 p;\nvoid main() { gl_Position = m * p; }\n";
+const VERTEX: &str = "attribute vec4 p;\nvoid main() { gl_Position = mv * p; }\n";
 const FRAGMENT: &str = "precision mediump float;\nvoid main() { gl_FragColor = vec4(1.0); }\n";
 
 fn told(files: &[(&str, &str)]) -> Vec<String> {
@@ -30,7 +30,7 @@ fn a_script_that_compiles_its_texts_puts_nothing_in_front() {
     assert_eq!(told(&[("a.js", &script(VERTEX, FRAGMENT))]), [LACKS]);
     // A missing precision as well.
     let bare = FRAGMENT.replace("precision mediump float;\n", "varying vec2 t;\n");
-    let whole = VERTEX.replace("m * ", "");
+    let whole = VERTEX.replace("mv * ", "");
     assert_eq!(told(&[("a.js", &script(&whole, &bare))]), ["a.js:5:21 V009"]);
     assert!(told(&[("a.js", &script(&whole, FRAGMENT))]).is_empty());
 }
@@ -39,18 +39,18 @@ fn a_script_that_compiles_its_texts_puts_nothing_in_front() {
 fn what_stands_in_other_strings_may_be_in_front() {
     let text = script(VERTEX, FRAGMENT);
     for more in [
-        "const head = 'uniform mat4 m;\\n';\n",
-        "const lines = ['uniform mat4 m;', 'uniform float t;'];\n",
+        "const head = 'uniform mat4 mv;\\n';\n",
+        "const lines = ['uniform mat4 mv;', 'uniform float t;'];\n",
         "const declare = (type, name) => 'uniform ' + type + ' ' + name + ';';\n",
         "const declare = (type, name) => `uniform ${type} ${name};`;\n",
     ] {
         assert!(told(&[("a.js", &format!("{text}{more}"))]).is_empty(), "{more}");
     }
     // A look-up and a message declare nothing.
-    let more = "gl.getUniformLocation(p, 'm');\nconsole.log('could not find uniform ' + name, 'in m');\n";
+    let more = "gl.getUniformLocation(p, 'mv');\nconsole.log('could not find uniform ' + name, 'in mv');\n";
     assert_eq!(told(&[("a.js", &format!("{text}{more}"))]), [LACKS]);
     let precise = "const head = 'precision highp float;\\n';\n";
-    let bare = script(&VERTEX.replace("m * ", ""), "varying vec2 t;\nvoid main() { gl_FragColor = vec4(1.0); }\n");
+    let bare = script(&VERTEX.replace("mv * ", ""), "varying vec2 t;\nvoid main() { gl_FragColor = vec4(1.0); }\n");
     assert!(told(&[("a.js", &format!("{bare}{precise}"))]).is_empty());
 }
 
@@ -66,7 +66,13 @@ fn a_library_may_put_anything_in_front() {
     let alone = format!("export const vs = `{VERTEX}`;\n");
     assert!(told(&[("a.js", &alone)]).is_empty());
     let utilities = ("gl.js", "export function compile(gl, s, text) { gl.shaderSource(s, text); }\n");
-    assert!(told(&[("a.js", &alone), utilities]).is_empty());
+    // Whoever takes it is a script of the project, unless one of them uses a library.
+    assert_eq!(told(&[("a.js", &alone), utilities]), ["a.js:2:29 E020"]);
+    let uses = ("b.js", "import * as engine from 'engine';\n");
+    assert!(told(&[("a.js", &alone), utilities, uses]).is_empty());
+    let page =
+        ("b.html", "<script src=\"https://cdn.example/engine.js\"></script>\n<script>const v = 'vec3 f';</script>\n");
+    assert!(told(&[("a.js", &alone), utilities, page]).is_empty());
     let with = format!("import {{ compile }} from './gl.js';\n{alone}");
     assert_eq!(told(&[("a.js", &with), utilities]), ["a.js:3:29 E020"]);
 }
@@ -90,7 +96,7 @@ fn scripts_of_a_page_are_read() {
 #[test]
 fn names_of_other_pages_do_not_stand_in_front() {
     let page = |script: &str| format!("<script>\n{script}</script>\n");
-    let other = page("const head = 'uniform mat4 m;\\n';\nconst more = 'vec4 f() { return vec4(1.0); }';\n");
+    let other = page("const head = 'uniform mat4 mv;\\n';\nconst more = 'vec4 f() { return vec4(1.0); }';\n");
     assert_eq!(told(&[("a.html", &page(&script(VERTEX, FRAGMENT))), ("b.html", &other)]), ["a.html:4:29 E020"]);
 }
 
@@ -100,4 +106,45 @@ fn a_host_that_renames_names_of_the_language_may_declare_them() {
     assert_eq!(told(&[("a.js", &text)]), ["a.js:2:28 V004"]);
     let renames = format!("{text}vs.replace(/\\bgl_\\w+\\b/g, 'own_$&');\n");
     assert!(told(&[("a.js", &renames)]).is_empty());
+}
+
+#[test]
+fn a_version_in_another_string_decides_over_types() {
+    let text = |head: &str| {
+        format!(
+            "const VS: &str = r#\"\nattribute vec4 p;\nvoid main() {{ float x = 1; gl_Position = p * x * m; }}\n\"#;\n\
+             {head}fn make(gl: &Gl) {{ gl.shader_source(s, VS); }}\n"
+        )
+    };
+    assert_eq!(told(&[("a.rs", &text(""))]), ["a.rs:3:25 T006", "a.rs:3:50 E020"]);
+    let headed = text("const HEAD: &str = \"#version 330 compatibility\\n\";\n");
+    assert_eq!(told(&[("a.rs", &headed)]), ["a.rs:3:50 E020"]);
+}
+
+#[test]
+fn shader_files_of_a_project_without_libraries_are_whole() {
+    let utilities = ("gl.js", "export function compile(gl, s, text) { gl.shaderSource(s, text); }\n");
+    assert!(told(&[("a.vert", VERTEX)]).is_empty());
+    assert_eq!(told(&[("a.vert", VERTEX), utilities]), ["a.vert:2:29 E020"]);
+    for more in [
+        ("b.js", "import { engine } from 'engine';\n"),
+        ("b.js", "const head = 'uniform mat4 mv;\\n';\n"),
+        ("b.js", "const declare = (type, name) => 'uniform ' + type + ' ' + name + ';';\n"),
+        ("b.glsl", "uniform mat4 mv;\n"),
+        ("b.cpp", "void f(GLuint p) { glGetUniformLocation(p, \"mv\"); }\n"),
+    ] {
+        assert!(told(&[("a.vert", VERTEX), utilities, more]).is_empty(), "{}", more.1);
+    }
+}
+
+#[test]
+fn a_call_of_moderngl_takes_texts_as_they_are() {
+    let text = |head: &str| {
+        format!(
+            "{head}prog = ctx.program(\n    vertex_shader=\"\"\"\n#version 330\nin vec2 p;\n\
+             void main() {{ gl_Position = mv * vec4(p, 0.0, 1.0); }}\n\"\"\")\n"
+        )
+    };
+    assert_eq!(told(&[("a.py", &text(""))]), ["a.py:5:29 E020"]);
+    assert!(told(&[("a.py", &text("HEAD = 'uniform mat4 mv;'\n"))]).is_empty());
 }

@@ -7,7 +7,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 use base::text::SourceFile;
 
 use super::{Input, KnownHosts, ShaderFile};
-use crate::prelude::Wanted;
 use hosts::Origin;
 use hosts::Wrapper;
 use hosts::language::{Language, language_of};
@@ -24,11 +23,8 @@ impl fmt::Debug for Kept {
     }
 }
 
-/// Whether a text is reported, and the prelude with which it is read.
-type Reading = (bool, Wanted);
-
-/// The same for a host file.
-type ReadingOfHost = (bool, KnownHosts);
+/// Whether a text is reported, and the hosts with which it is read.
+type Reading = (bool, KnownHosts);
 
 #[derive(Default)]
 struct Readings {
@@ -38,7 +34,7 @@ struct Readings {
     /// What a host file holds, in a project with these wrappers.
     found: Option<(Vec<Wrapper>, Arc<Found>)>,
     /// The shaders in its literals, reported or not, in a project with this prelude.
-    embedded: Vec<(ReadingOfHost, Vec<Arc<ShaderFile>>)>,
+    embedded: Vec<(Reading, Vec<Arc<ShaderFile>>)>,
 }
 
 impl Kept {
@@ -65,9 +61,9 @@ impl Input {
     }
 
     /// The text as a shader.
-    pub(super) fn shader(&self, wanted: Wanted, read: impl FnOnce() -> ShaderFile) -> Arc<ShaderFile> {
+    pub(super) fn shader(&self, known: KnownHosts, read: impl FnOnce() -> ShaderFile) -> Arc<ShaderFile> {
         let Some(kept) = self.keeps_itself() else { return Arc::new(read()) };
-        let key = (self.reported, wanted);
+        let key = (self.reported, known);
         let known = kept.with(|r| r.shaders.iter().find(|(k, _)| *k == key).map(|(_, shader)| shader.clone()));
         known.unwrap_or_else(|| {
             let shader = Arc::new(read());

@@ -19,7 +19,7 @@ use analysis::range::Observed;
 use hosts::Origin;
 use hosts::Place;
 use hosts::document::Listing;
-use hosts::script;
+use hosts::script::{self, Given};
 use hosts::{Embedded, HostFile, Literal, marks};
 
 /// Readings of one text with names defined at most.
@@ -228,9 +228,15 @@ impl ShaderFile {
     }
 
     /// A shader in a file of its own, with what its host puts around it.
-    pub(super) fn of_file(input: &Input, stage: Stage, wanted: Wanted) -> Self {
+    pub(super) fn of_file(input: &Input, stage: Stage, known: KnownHosts) -> Self {
+        let KnownHosts { wanted, given } = known;
         if prelude::recognised(input.file.text(), wanted).is_none() {
-            return Self::with_includes(input, stage).unwrap_or_else(|| Self::new(input, stage));
+            let mut shader = Self::with_includes(input, stage).unwrap_or_else(|| Self::new(input, stage));
+            // Whoever takes the file is in the project, and puts nothing in front that does not stand there.
+            if given == Given::InSight && stage != Stage::Library && marks::has_main(input.file.text()) {
+                shader.doubtful = Self::doubtful_of(&shader.shader, &shader.front_end, HANDED_ON);
+            }
+            return shader;
         }
         let whole = Literal::part(&input.file, Span::new(0, input.file.text().len()));
         match prelude::around(&whole, stage, wanted) {
@@ -289,7 +295,7 @@ impl ShaderFile {
     }
 
     /// A shader of a document.
-    pub(super) fn of_document(input: &Input, listing: Listing, given: bool) -> Self {
+    pub(super) fn of_document(input: &Input, listing: Listing, given: Given) -> Self {
         let text = input.with_file(SourceFile::new(listing.name, listing.literal.text.as_str()));
         // Pages know OpenGL ES alone.
         let read = || Self::read_as(&text, listing.stage, listing.whole);
