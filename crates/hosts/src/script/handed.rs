@@ -52,6 +52,9 @@ impl Given {
 /// The function of OpenGL that takes the text of a shader, as languages spell it.
 const TAKES: [&str; 3] = ["shaderSource", "glShaderSource", "shader_source"];
 
+/// Arguments with a name that do the same, in Python.
+const TAKEN_AS: [&str; 2] = ["vertex_shader=", "fragment_shader="];
+
 /// Words that declare names in GLSL.
 const DECLARES: [&str; 28] = [
     "uniform",
@@ -83,9 +86,6 @@ const DECLARES: [&str; 28] = [
     "highp",
     "mediump",
 ];
-
-/// The same as arguments with a name, in Python.
-const TAKEN_AS: [&str; 2] = ["vertex_shader=", "fragment_shader="];
 
 /// Directives that say how all behind them is read.
 const DIRECTIVES: [&str; 3] = ["#define", "#version", "#extension"];

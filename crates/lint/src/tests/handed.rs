@@ -94,6 +94,15 @@ fn scripts_of_a_page_are_read() {
 }
 
 #[test]
+fn shaders_in_scripts_of_a_page_can_be_run() {
+    let page = format!("<!doctype html>\n<script>\n{}</script>\n", script(VERTEX, FRAGMENT));
+    let printed = hosts::document::printed_shaders(&SourceFile::new("a.html", page));
+    assert_eq!(printed.iter().map(|p| p.stage).collect::<Vec<_>>(), [syntax::Stage::Vertex, syntax::Stage::Fragment]);
+    let at = printed[0].file.text().find("gl_Position").unwrap();
+    assert_eq!(printed[0].file.locate(at).to_string(), "a.html:5:15");
+}
+
+#[test]
 fn names_of_other_pages_do_not_stand_in_front() {
     let page = |script: &str| format!("<script>\n{script}</script>\n");
     let other = page("const head = 'uniform mat4 mv;\\n';\nconst more = 'vec4 f() { return vec4(1.0); }';\n");
