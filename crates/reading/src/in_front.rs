@@ -4,6 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use base::diagnostic::Diagnostic;
 use hosts::HostFile;
+use hosts::document::document_of;
 use hosts::script::InFront;
 use syntax::errors::{self, Around};
 use syntax::{Profile, TokenKind};
@@ -73,8 +74,7 @@ impl Fronts {
     pub fn may_take_away(&self, shader: &ShaderFile, error: &Diagnostic) -> bool {
         let word = error.file.slice(error.span);
         let host = shader.origin.as_ref().map(|origin| origin.host.name());
-        let page =
-            host.and_then(|name| self.pages.get(name.trim_end_matches(|c: char| c.is_ascii_digit() || c == ':')));
+        let page = host.and_then(|name| self.pages.get(document_of(name)));
         let all = || [Some(&self.words), page].into_iter().flatten();
         if open::is_about_a_name(error) {
             return all().any(|words| match words {

@@ -44,8 +44,7 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic], stated: Around) -> Vec<bo
     if shader.version().span.is_none() {
         // What is written for the first versions is compiled as such where nobody can state another.
         let of_es = shader.version().profile == Profile::Es && stated.contains(Around::ENABLED);
-        let old = (is_old(shader) || of_es) && has_main(shader);
-        let old = old && !open.contains(Around::ENABLED);
+        let old = (is_old(shader) || of_es) && has_main(shader) && !open.contains(Around::ENABLED);
         under_versions(shader, found, &mut kept, if old { &ANY_VERSION[..1] } else { &ANY_VERSION });
     }
     let mut doubtful: Vec<bool> =

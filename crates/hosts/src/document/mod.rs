@@ -161,6 +161,20 @@ pub fn runnable_shaders(file: &SourceFile, imports: &mut Imports<'_>) -> Vec<Pri
     all
 }
 
+/// The whole shaders in strings of host code.
+fn whole_strings(host: &HostFile) -> Vec<(String, Stage, Literal)> {
+    // What runs a text knows its language by its name.
+    let named = |e: &Embedded| if e.wgsl { format!("{}.wgsl", e.name) } else { e.name.clone() };
+    let whole = host.embedded().iter().filter(|e| !e.partial);
+    whole.map(|e| (named(e), e.stage, e.literal.clone())).collect()
+}
+
+/// The document that a part of it stands in, by the name of the part: that of the document and a line.
+pub fn document_of(name: &str) -> &str {
+    let is_line = |line: &str| !line.is_empty() && line.bytes().all(|b| b.is_ascii_digit());
+    name.rsplit_once(':').filter(|(_, line)| is_line(line)).map_or(name, |(document, _)| document)
+}
+
 /// The whole shaders that a file of another kind holds, in the order of the text: the blocks of a document, strings of
 /// host code, and the stages of a file that has several. None for a file that is one shader.
 pub fn printed_shaders(file: &SourceFile) -> Vec<Printed> {
@@ -173,18 +187,13 @@ pub fn printed_shaders(file: &SourceFile) -> Vec<Printed> {
         Some(language) => {
             let host =
                 if language == Language::Script { HostFile::script(file, true) } else { HostFile::new(file, true) };
-            let whole = host.embedded().iter().filter(|e| !e.partial);
-            // What runs a text knows its language by its name.
-            let named = |e: &Embedded| if e.wgsl { format!("{}.wgsl", e.name) } else { e.name.clone() };
-            whole.map(|e| (named(e), e.stage, e.literal.clone())).collect()
+            whole_strings(&host)
         }
         None => {
             let document = Document::read(file).unwrap_or_default();
             // Places in the scripts of a page are those in the page.
             let script = document.script.map(|l| HostFile::script(&SourceFile::new(l.name, l.literal.text), true));
-            let strings = script.iter().flat_map(HostFile::embedded).filter(|e| !e.partial);
-            let named = |e: &Embedded| if e.wgsl { format!("{}.wgsl", e.name) } else { e.name.clone() };
-            let strings: Vec<_> = strings.map(|e| (named(e), e.stage, e.literal.clone())).collect();
+            let strings = script.as_ref().map(whole_strings).unwrap_or_default();
             let shaders = document.shaders.into_iter().filter(|s| !s.partial);
             shaders.map(|s| (s.name, s.stage, s.literal)).chain(strings).collect()
         }

@@ -12,10 +12,9 @@ use super::language::Language;
 use crate::{HostFile, concerns_shaders, marks};
 
 /// Whether something in a project gives texts of shaders to OpenGL.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Given {
     /// Nothing in sight does.
-    #[default]
     Nowhere,
     /// A script or a page does.
     Somewhere,
@@ -25,27 +24,18 @@ pub enum Given {
 
 impl Given {
     /// What the files of a project do.
-    pub fn of<'f>(files: impl Iterator<Item = &'f SourceFile>) -> Self {
-        let (mut gives, mut alone) = (false, true);
-        for file in files {
-            let text = file.text();
-            match Language::of(file.name()) {
-                Some(Language::JavaScript) => {
-                    gives |= gives_to_gl(text);
-                    alone = alone && imported(text).all(is_of_the_project);
-                }
-                Some(_) => {
-                    let other = gives_to_gl(text);
-                    (gives, alone) = (gives || other, alone && !other);
-                }
-                None => alone = alone && !(Language::like_c(file.name()).is_some() && concerns_shaders(text)),
-            }
+    pub fn of<'f>(files: impl Iterator<Item = &'f SourceFile> + Clone) -> Self {
+        let gives = |file: &SourceFile| Language::of(file.name()).is_some() && gives_to_gl(file.text());
+        if !files.clone().any(gives) {
+            return Self::Nowhere;
         }
-        match (gives, alone) {
-            (false, _) => Self::Nowhere,
-            (true, false) => Self::Somewhere,
-            (true, true) => Self::InSight,
-        }
+        let mut files = files;
+        let in_sight = files.all(|file| match Language::of(file.name()) {
+            Some(Language::JavaScript) => imported(file.text()).all(is_of_the_project),
+            Some(_) => !gives_to_gl(file.text()),
+            None => Language::like_c(file.name()).is_none() || !concerns_shaders(file.text()),
+        });
+        if in_sight { Self::InSight } else { Self::Somewhere }
     }
 }
 
@@ -91,7 +81,7 @@ const DECLARES: [&str; 28] = [
 const DIRECTIVES: [&str; 3] = ["#define", "#version", "#extension"];
 
 /// True for host code that gives texts to OpenGL itself.
-pub fn gives_to_gl(text: &str) -> bool {
+fn gives_to_gl(text: &str) -> bool {
     let called = |word: &str| {
         let mut found = text.match_indices(word);
         found.any(|(at, _)| {

@@ -1,5 +1,7 @@
 //! How the languages of hosts write comments and strings.
 
+use crate::document::document_of;
+
 /// Endings of files in these languages that a folder is searched for.
 pub const SCRIPT_EXTENSIONS: &[&str] = &["py", "js", "mjs", "cjs", "jsx", "ts", "mts", "tsx", "java", "kt", "rs"];
 
@@ -57,8 +59,7 @@ const LIKE_C: &[&str] =
 impl Language {
     /// The language that a file's name says; JavaScript for the scripts of a page, as they are called by its name and a line.
     pub fn of(name: &str) -> Option<Self> {
-        let name = name.trim_end_matches(|c: char| c.is_ascii_digit() || c == ':');
-        Some(match name.rsplit_once('.')?.1.to_ascii_lowercase().as_str() {
+        Some(match document_of(name).rsplit_once('.')?.1.to_ascii_lowercase().as_str() {
             "py" => Self::Python,
             "js" | "mjs" | "cjs" | "jsx" | "ts" | "mts" | "tsx" | "html" | "htm" | "xhtml" => Self::JavaScript,
             "java" => Self::Java,
