@@ -176,6 +176,33 @@ pub fn wide<R>(work: impl FnOnce() -> R) -> R {
     Arch::new().dispatch(work)
 }
 
+/// Work that gains from [`wide`] however long it is: an implementation of [`Wide::run`] is marked `#[inline(always)]`, which a
+/// closure cannot be.
+pub trait Wide {
+    /// What comes of it.
+    type Output;
+
+    /// Does it.
+    fn run(self) -> Self::Output;
+}
+
+/// Does work compiled for the widest vectors of the machine; as with [`map`] the result does not depend on the machine.
+#[inline]
+pub fn run_wide<W: Wide>(work: W) -> W::Output {
+    Arch::new().dispatch(Run(work))
+}
+
+struct Run<W>(W);
+
+impl<W: Wide> NullaryFnOnce for Run<W> {
+    type Output = W::Output;
+
+    #[inline(always)]
+    fn call(self) -> W::Output {
+        self.0.run()
+    }
+}
+
 /// How many numbers of a column are greater than each of some limits.
 pub fn count_above<const N: usize>(x: &[f64], limits: &[f64; N]) -> [u64; N] {
     Arch::new().dispatch(CountAbove { x, limits })

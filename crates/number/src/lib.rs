@@ -36,7 +36,7 @@ mod series;
 mod trigonometric;
 pub mod twofold;
 
-pub use dispatch::{Binary, Unary, count_above, map, map_pairs, wide};
+pub use dispatch::{Binary, Unary, Wide, count_above, map, map_pairs, run_wide, wide};
 
 /// sin x, x in radians; NaN for infinities.
 pub const SIN: Unary = Unary::of::<trigonometric::Sine>();
@@ -63,16 +63,37 @@ pub const LOG2: Unary = Unary::of::<logarithm::BaseTwo>();
 /// a^b as the shading languages define it: NaN for a < 0, and otherwise as `f64::powf`.
 pub const POW: Binary = Binary::of::<power::Power>();
 
+/// From here on, [`exp_m1`] is computed in two parts.
+const SHORT: f64 = 1.0 / 128.0;
+
 /// e^x − 1, with an error of at most 2 ULP.
 pub fn exp_m1(x: f64) -> f64 {
-    /// From here on the value is computed in two parts.
-    const SHORT: f64 = 1.0 / 128.0;
-    if x.abs() < SHORT {
-        // What is left out is below 2^-60 of the value.
-        let series = (2..=9).rev().fold(1.0, |sum, k| 1.0 + x / f64::from(k) * sum);
-        return x * series;
+    if x.abs() < SHORT { short_exp_m1(x) } else { twofold::exp_m1(x) }
+}
+
+#[inline(always)]
+fn short_exp_m1(x: f64) -> f64 {
+    // What is left out is below 2^-60 of the value.
+    let series = (2..=9).rev().fold(1.0, |sum, k| 1.0 + x / f64::from(k) * sum);
+    x * series
+}
+
+/// [`exp_m1`] of all numbers of a column, with the same bits.
+pub fn exp_m1_all(column: &mut [f64]) {
+    for block in column.chunks_mut(64) {
+        let (mut short, mut long) = ([0.0; 64], 0_u64);
+        wide(|| {
+            for (short, &x) in short.iter_mut().zip(block.iter()) {
+                long |= u64::from(!(x.abs() < SHORT));
+                *short = short_exp_m1(x);
+            }
+        });
+        if long == 0 {
+            block.copy_from_slice(&short[..block.len()]);
+        } else {
+            block.iter_mut().for_each(|x| *x = exp_m1(*x));
+        }
     }
-    twofold::exp_m1(x)
 }
 
 #[cfg(test)]

@@ -331,3 +331,12 @@ fn constants_in_parts_have_the_bits_that_they_should() {
     let (_, size) = fraction(&bits.mul(&half_pi, MORE, ROUND).sub(&BigFloat::from_f64(1.0, MORE), MORE, ROUND));
     assert!(size <= -1214, "2^{size}");
 }
+
+#[test]
+fn a_column_of_exp_m1_has_the_bits_of_its_numbers() {
+    let mut column: Vec<f64> = (0..300).map(|k| 2f64.powf(f64::from(k) / 10.0 - 26.0)).collect();
+    column.extend([0.0, -0.0, -1e-3, -0.5, 1e-310, f64::INFINITY, f64::NEG_INFINITY, f64::NAN]);
+    let expected: Vec<u64> = column.iter().map(|&x| exp_m1(x).to_bits()).collect();
+    exp_m1_all(&mut column);
+    assert_eq!(column.iter().map(|x| x.to_bits()).collect::<Vec<_>>(), expected);
+}

@@ -68,11 +68,16 @@ impl Meta {
     }
 }
 
+/// A column of zeros.
+pub(super) static ZEROS: Slots = [0.0; SLOTS];
+
 /// A pool of columns that are used again for each chunk.
 #[derive(Default)]
 pub(super) struct Pool {
     #[expect(clippy::vec_box, reason = "one more column must not move the others")]
     columns: Vec<Box<Slots>>,
+    /// Columns that hold zeros, whatever is left in their place: one column for all of them stays in the cache.
+    zero: Vec<bool>,
     used: usize,
 }
 
@@ -87,6 +92,7 @@ impl Pool {
     pub(super) fn clear(&mut self) {
         self.used = 0;
         self.columns.truncate(KEPT);
+        self.zero.truncate(KEPT);
     }
 
     /// Makes room up to a column; what it holds is left from before.
@@ -94,14 +100,33 @@ impl Pool {
         self.used = self.used.max(at + 1);
         while self.columns.len() <= at {
             self.columns.push(Box::new([0.0; SLOTS]));
+            self.zero.push(false);
         }
     }
 
+    /// Lets a column hold zeros.
+    pub(super) fn set_zero(&mut self, at: usize) {
+        self.zero[at] = true;
+    }
+
+    /// True when a column is known to hold zeros.
+    pub(super) fn is_zero(&self, at: usize) -> bool {
+        self.zero[at]
+    }
+
+    /// Lets a column hold what is left from before: all of it is written next.
+    pub(super) fn renew(&mut self, at: usize) {
+        self.zero[at] = false;
+    }
+
     pub(super) fn get(&self, at: usize) -> &Slots {
-        &self.columns[at]
+        if self.zero[at] { &ZEROS } else { &self.columns[at] }
     }
 
     pub(super) fn get_mut(&mut self, at: usize) -> &mut Slots {
+        if std::mem::replace(&mut self.zero[at], false) {
+            self.columns[at].fill(0.0);
+        }
         &mut self.columns[at]
     }
 
@@ -117,11 +142,12 @@ impl Pool {
         [a, b, c, d]
     }
 
-    /// The column at `at`, and the others to read.
+    /// The column at `at`, all of which is written next, and the others to read.
     pub(super) fn split(&mut self, at: usize) -> (Others<'_>, &mut Slots) {
+        self.renew(at);
         let (before, rest) = self.columns.split_at_mut(at);
         let (one, after) = rest.split_first_mut().expect("a column that was made");
-        (Others { before, after }, one)
+        (Others { before, after, zero: &self.zero }, one)
     }
 }
 
@@ -130,12 +156,22 @@ impl Pool {
 pub(super) struct Others<'a> {
     before: &'a [Box<Slots>],
     after: &'a [Box<Slots>],
+    zero: &'a [bool],
 }
 
 impl<'a> Others<'a> {
+    /// True when a column is known to hold zeros.
+    pub(super) fn is_zero(&self, at: usize) -> bool {
+        self.zero[at]
+    }
+
     /// A column other than the one that was split off.
     pub(super) fn get(&self, at: usize) -> &'a Slots {
-        if at < self.before.len() { &self.before[at] } else { &self.after[at - self.before.len() - 1] }
+        match at.checked_sub(self.before.len() + 1) {
+            _ if self.zero[at] => &ZEROS,
+            Some(after) => &self.after[after],
+            None => &self.before[at],
+        }
     }
 }
 
@@ -149,8 +185,6 @@ pub(super) struct Arena {
     pub radius: Pool,
     /// What the operation itself may add to that.
     pub local: Pool,
-    /// Whether radius and local error of a place are known to hold zeros, also from the chunk before.
-    pub exact: Vec<bool>,
     /// Partials and their distances, in turn.
     pub partials: Pool,
     /// Number of partials.
@@ -179,7 +213,6 @@ impl Arena {
             value,
             radius,
             local,
-            exact,
             partials,
             slopes,
             masks,
@@ -195,8 +228,6 @@ impl Arena {
         *slopes = 0;
         masks.clear();
         grades.clear();
-        // Columns past these are given back.
-        exact.truncate(KEPT);
         for pool in [value, radius, local, partials, size, roundings, peak, least, part, terms] {
             pool.clear();
         }
@@ -213,9 +244,6 @@ impl Arena {
     pub(super) fn push(&mut self, meta: Meta) -> Id {
         let at = self.nodes.len();
         self.nodes.push(meta);
-        if self.exact.len() < self.nodes.len() {
-            self.exact.push(false);
-        }
         for pool in [&mut self.value, &mut self.radius, &mut self.local] {
             pool.reach(at);
         }
@@ -223,11 +251,16 @@ impl Arena {
         at as Id
     }
 
-    /// A node in the place of one that nobody needs any more.
+    /// A node in the place of one that nobody needs any more. Its columns hold what is left from before, but for those of a
+    /// leaf, which is exact until something else is said.
     pub(super) fn put(&mut self, id: Id, meta: Meta) {
-        self.nodes[id as usize] = meta;
-        if !matches!(meta.kind, NodeKind::Leaf) {
-            self.exact[id as usize] = false;
+        let at = id as usize;
+        self.nodes[at] = meta;
+        for pool in [&mut self.radius, &mut self.local] {
+            match meta.kind {
+                NodeKind::Leaf => pool.set_zero(at),
+                _ => pool.renew(at),
+            }
         }
     }
 
@@ -253,5 +286,28 @@ impl Arena {
     pub(super) fn mask(&mut self, mask: Mask) -> u32 {
         self.masks.push(mask);
         (self.masks.len() - 1) as u32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_column_of_zeros_is_read_as_one_whatever_is_left_in_its_place() {
+        let mut pool = Pool::default();
+        pool.reach(2);
+        for at in 0..3 {
+            pool.get_mut(at).fill(7.0);
+        }
+        pool.set_zero(0);
+        pool.set_zero(2);
+        assert_eq!((pool.get(0), pool.get(1)[5], pool.is_zero(2)), (&ZEROS, 7.0, true));
+        let (others, one) = pool.split(1);
+        assert_eq!((others.get(0), others.get(2), others.is_zero(0)), (&ZEROS, &ZEROS, true));
+        one[3] = 1.0;
+        // Who writes to some slots finds zeros in the others.
+        pool.get_mut(0)[4] = 2.0;
+        assert_eq!((pool.get(0)[3], pool.get(0)[4], pool.get(1)[3], pool.is_zero(0)), (0.0, 2.0, 1.0, false));
     }
 }

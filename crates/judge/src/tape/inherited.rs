@@ -17,29 +17,37 @@ use program::interp::{Mask, SLOTS};
 pub(super) fn root_by_inverse(model: &Model<'_>, x: Arg<'_>, value: &Slots, carried: &Slots, local: &mut Slots) {
     let (mut inverse, mut reach) = ([0.0; SLOTS], [0.0; SLOTS]);
     let (mut first, mut second) = ([0.0; SLOTS], [0.0; SLOTS]);
-    for slot in 0..SLOTS {
-        // A root below which nothing is normal has an inverse that is; the largest is taken.
-        inverse[slot] = 1.0 / (value[slot] + carried[slot]).max(MIN_NORMAL);
-        reach[slot] = inverse[slot] * 1e-6;
-    }
+    number::wide(|| {
+        for slot in 0..SLOTS {
+            // A root below which nothing is normal has an inverse that is; the largest is taken.
+            inverse[slot] = 1.0 / (value[slot] + carried[slot]).max(MIN_NORMAL);
+            reach[slot] = inverse[slot] * 1e-6;
+        }
+    });
     let exact = [0.0; SLOTS];
     let ones = [1.0; SLOTS];
     model.local(Op::InverseSqrt, &[Arg { value: x.value, radius: &exact }], &inverse, &reach, &mut first);
     // d(1/q)/dq = q^-2 = root².
-    let root: Slots = std::array::from_fn(|slot| value[slot] + carried[slot]);
-    // An inverse at the other end of the radius may have twice the error for its size, where numbers are
-    // farther apart.
-    let by_inverse: Slots = std::array::from_fn(|slot| {
-        let farther = gap(1.0 / (value[slot] - carried[slot]).max(MIN_NORMAL)) > gap(inverse[slot]);
-        first[slot] * root[slot] * root[slot] * (1.0 + 1e-4) * if farther { 2.0 } else { 1.0 }
+    let [mut root, mut by_inverse, mut moves] = [[0.0; SLOTS]; 3];
+    number::wide(|| {
+        for slot in 0..SLOTS {
+            root[slot] = value[slot] + carried[slot];
+            // An inverse at the other end of the radius may have twice the error for its size, where numbers are
+            // farther apart.
+            let farther = gap(1.0 / (value[slot] - carried[slot]).max(MIN_NORMAL)) > gap(inverse[slot]);
+            let twice = if farther { 2.0 } else { 1.0 };
+            by_inverse[slot] = first[slot] * root[slot] * root[slot] * (1.0 + 1e-4) * twice;
+            // What the first step moves may lead to where numbers are twice as far apart.
+            moves[slot] = carried[slot] + by_inverse[slot];
+        }
     });
-    // What the first step moves may lead to where numbers are twice as far apart.
-    let moves: Slots = std::array::from_fn(|slot| carried[slot] + by_inverse[slot]);
     let args = [Arg { value: &ones, radius: &exact }, Arg { value: &inverse, radius: &reach }];
     model.local(Op::Div, &args, value, &moves, &mut second);
-    for slot in 0..SLOTS {
-        local[slot] = if root[slot] == 0.0 { 0.0 } else { by_inverse[slot] + second[slot] };
-    }
+    number::wide(|| {
+        for slot in 0..SLOTS {
+            local[slot] = if root[slot] == 0.0 { 0.0 } else { by_inverse[slot] + second[slot] };
+        }
+    });
 }
 
 /// Local error of x^y.
@@ -139,7 +147,7 @@ fn power_by_exp2(model: &Model<'_>, args: [Arg<'_>; 2], value: &Slots, carried: 
     });
     let argument = Arg { value: &exponent, radius: &exponent_moves };
     for grown in [&mut power_moves, &mut inside] {
-        grown.iter_mut().for_each(|t| *t = number::exp_m1(*t));
+        number::exp_m1_all(grown);
     }
     number::wide(|| (0..SLOTS).for_each(|slot| power_moves[slot] *= value[slot]));
     model.local(Op::Exp2, &[argument], value, &power_moves, &mut by_power);

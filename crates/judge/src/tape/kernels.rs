@@ -68,35 +68,166 @@ pub(super) fn finished(v: f64, e: f64, b: f64, flushes: bool) -> (f64, bool) {
     (if e == f64::INFINITY { 0.0 } else { b }, small)
 }
 
-/// A sum, rounded once, from its arguments to its radius. True when some result may be subnormal.
+/// A node that is rounded once and takes its local error into its displacement.
+pub(super) struct MovedNode<'a> {
+    pub form: Once,
+    pub closing: Closing,
+    /// Values, radii and displacements of the arguments.
+    pub args: [(&'a Slots, &'a Slots, &'a Slots); 2],
+    pub value: &'a mut Slots,
+    pub radius: &'a mut Slots,
+    pub moved: &'a mut Slots,
+}
+
+/// A function whose local error is known, with the columns that it completes: its radius holds what is carried into it.
+pub(super) struct ClosedNode<'a> {
+    pub flushes: bool,
+    /// Radii, partials and displacements of the arguments.
+    pub args: [(&'a Slots, &'a Slots, &'a Slots); 2],
+    pub value: &'a Slots,
+    pub local: &'a Slots,
+    pub radius: &'a mut Slots,
+    pub moved: &'a mut Slots,
+}
+
+impl number::Wide for ClosedNode<'_> {
+    type Output = SeenNode;
+
+    #[inline(always)]
+    fn run(self) -> SeenNode {
+        let Self { flushes, args: [(ex, sx, dx), (ey, sy, dy)], value, local, radius, moved } = self;
+        let along = |slot: usize| sx[slot] * dx[slot] + sy[slot] * dy[slot];
+        closed_along(flushes, (ex, ey), along, (value, local), radius, moved)
+    }
+}
+
+/// Completes a function in all slots; the columns that are written are arguments for the reason of [`rounded_along`].
+#[inline(always)]
+fn closed_along(
+    flushes: bool,
+    (ex, ey): (&Slots, &Slots),
+    along: impl Fn(usize) -> f64,
+    (value, local): (&Slots, &Slots),
+    radius: &mut Slots,
+    moved: &mut Slots,
+) -> SeenNode {
+    let (mut tiny, mut open) = (0_u64, 0_u64);
+    for slot in 0..SLOTS {
+        let e = radius[slot];
+        let (b, small) = finished(value[slot], e, local[slot], flushes);
+        // See `Tape::lose`.
+        let known = (ex[slot] < f64::INFINITY) & (ey[slot] < f64::INFINITY);
+        let b = if known { b } else { f64::INFINITY };
+        radius[slot] = e + b;
+        moved[slot] = farther(along(slot), b);
+        tiny |= u64::from(small);
+        open |= u64::from(!(e + b < f64::INFINITY));
+    }
+    SeenNode { tiny: tiny != 0, open: open != 0 }
+}
+
+/// What is rounded once.
+#[derive(Clone, Copy)]
+pub(super) enum Once {
+    /// The sum with signs ±1.
+    Sum((f64, f64)),
+    /// The product.
+    Product,
+}
+
+impl number::Wide for MovedNode<'_> {
+    type Output = SeenNode;
+
+    #[inline(always)]
+    fn run(self) -> SeenNode {
+        let Self { form, closing, args: [(x, ex, dx), (y, ey, dy)], value, radius, moved } = self;
+        match form {
+            Once::Sum(signs) => {
+                let along = |slot: usize| signs.0 * dx[slot] + signs.1 * dy[slot];
+                rounded_along(closing, sum_at((x, ex), (y, ey), signs), along, value, radius, moved)
+            }
+            // Where a radius is infinite, no displacement is known.
+            Once::Product => {
+                let along = |slot: usize| y[slot] * dx[slot] + x[slot] * dy[slot];
+                rounded_along(closing, product_at((x, ex), (y, ey)), along, value, radius, moved)
+            }
+        }
+    }
+}
+
+/// What is seen of the columns of a node that is rounded once.
+#[derive(Clone, Copy, Default)]
+pub(super) struct SeenNode {
+    /// Some result may be subnormal.
+    pub tiny: bool,
+    /// Some radius is not finite.
+    pub open: bool,
+}
+
+/// A sum, rounded once, from its arguments to its radius.
 #[inline(always)]
 pub(super) fn rounded_sum(
-    (x, ex): Pair<'_>,
-    (y, ey): Pair<'_>,
+    x: Pair<'_>,
+    y: Pair<'_>,
     signs: (f64, f64),
     closing: Closing,
-    node: KernelNode<'_>,
-) -> bool {
-    rounded(closing, node, |slot| {
+    KernelNode { value, radius, local }: KernelNode<'_>,
+) -> SeenNode {
+    rounded(closing, sum_at(x, y, signs), |slot, v, e, b| (value[slot], radius[slot], local[slot]) = (v, e, b))
+}
+
+/// A displacement with an error of its operation's own, in the direction that adds to it.
+#[inline(always)]
+fn farther(moved: f64, own: f64) -> f64 {
+    // The sum has no negative zero.
+    moved + own.copysign(moved + 0.0)
+}
+
+/// Value, what is lost of it, and what is carried into it, of a sum.
+#[inline(always)]
+fn sum_at((x, ex): Pair<'_>, (y, ey): Pair<'_>, signs: (f64, f64)) -> impl Fn(usize) -> (f64, f64, f64) {
+    move |slot| {
         let (x, y) = (signs.0 * x[slot], signs.1 * y[slot]);
         let v = x + y;
         (v, lost_by_sum(x, y, v), ex[slot] + ey[slot])
-    })
+    }
 }
 
 /// The same for a product.
 #[inline(always)]
-pub(super) fn rounded_product((x, ex): Pair<'_>, (y, ey): Pair<'_>, closing: Closing, node: KernelNode<'_>) -> bool {
-    let KernelNode { value, radius, local } = node;
-    let again = KernelNode { value, radius, local };
-    let tiny = rounded(closing, again, |slot| {
-        (x[slot] * y[slot], 0.0, carried_by_product(x[slot], ex[slot], y[slot], ey[slot]))
-    });
-    // 0 times what may be infinite is not 0: the derivative by that factor does not say so.
-    for slot in 0..SLOTS {
-        local[slot] = if radius[slot] < f64::INFINITY { local[slot] } else { f64::INFINITY };
-    }
-    tiny
+fn product_at((x, ex): Pair<'_>, (y, ey): Pair<'_>) -> impl Fn(usize) -> (f64, f64, f64) {
+    move |slot| (x[slot] * y[slot], 0.0, carried_by_product(x[slot], ex[slot], y[slot], ey[slot]))
+}
+
+/// A product, rounded once, from its arguments to its radius.
+#[inline(always)]
+pub(super) fn rounded_product(
+    x: Pair<'_>,
+    y: Pair<'_>,
+    closing: Closing,
+    KernelNode { value, radius, local }: KernelNode<'_>,
+) -> SeenNode {
+    rounded(closing, product_at(x, y), |slot, v, e, b| {
+        // 0 times what may be infinite is not 0: the derivative by that factor does not say so.
+        let b = if e < f64::INFINITY { b } else { f64::INFINITY };
+        (value[slot], radius[slot], local[slot]) = (v, e, b);
+    })
+}
+
+/// Rounds values once, and lets the displacement of the arguments take the local errors in. The columns that are written are
+/// arguments of their own: those of a function are known not to overlap, without which the loop has no vectors.
+#[inline(always)]
+fn rounded_along(
+    closing: Closing,
+    of: impl Fn(usize) -> (f64, f64, f64),
+    along: impl Fn(usize) -> f64,
+    value: &mut Slots,
+    radius: &mut Slots,
+    moved: &mut Slots,
+) -> SeenNode {
+    rounded(closing, of, |slot, v, e, b| {
+        (value[slot], radius[slot], moved[slot]) = (v, e, farther(along(slot), b));
+    })
 }
 
 /// A radius that is no number says nothing: 0 times an infinite one is one that may be anything.
@@ -111,23 +242,24 @@ pub(super) fn carried_by_product(x: f64, ex: f64, y: f64, ey: f64) -> f64 {
     x.abs() * ey + (y.abs() + ey) * ex
 }
 
+/// Rounds values once. `write` gets slot, value, radius and local error.
 #[inline(always)]
 fn rounded(
     closing: Closing,
-    KernelNode { value, radius, local }: KernelNode<'_>,
     of: impl Fn(usize) -> (f64, f64, f64),
-) -> bool {
-    let mut tiny = 0_u64;
+    mut write: impl FnMut(usize, f64, f64, f64),
+) -> SeenNode {
+    let (mut tiny, mut open) = (0_u64, 0_u64);
     for slot in 0..SLOTS {
         let (v, lost, e) = of(slot);
         let e = or_infinite(e);
         let (b, small) = finished(v, e, rounding(closing.part, v, lost, e), closing.flushes);
-        value[slot] = v;
-        local[slot] = b;
-        radius[slot] = if closing.own { e + b } else { e };
+        let e = if closing.own { e + b } else { e };
+        write(slot, v, e, b);
         tiny |= u64::from(small);
+        open |= u64::from(!(e < f64::INFINITY));
     }
-    tiny != 0
+    SeenNode { tiny: tiny != 0, open: open != 0 }
 }
 
 /// [`finished`] on a column.

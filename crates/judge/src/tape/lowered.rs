@@ -122,7 +122,6 @@ impl Tape<'_> {
             return;
         }
         self.arena.nodes[at].exact = false;
-        self.arena.exact[at] = false;
     }
 
     /// How far x^y may be off by exp2(y·log2(x)) in binary16, as a part of it.

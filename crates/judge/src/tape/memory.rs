@@ -86,7 +86,6 @@ impl InMemory for Tape<'_> {
         let id = self.leaf(|value| *value = values);
         if radii.iter().any(|&radius| radius != 0.0) {
             let at = id as usize;
-            self.arena.exact[at] = false;
             self.arena.nodes[at].exact = false;
             *self.arena.radius.get_mut(at) = radii;
             *self.arena.local.get_mut(at) = radii;

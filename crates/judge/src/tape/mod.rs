@@ -173,11 +173,6 @@ impl<'p> Tape<'p> {
         let id = self.node(meta);
         let at = id as usize;
         value(self.arena.value.get_mut(at));
-        // Inputs and constants are the first nodes of each chunk: most columns hold zeros already.
-        if !std::mem::replace(&mut self.arena.exact[at], true) {
-            self.arena.radius.get_mut(at).fill(0.0);
-            self.arena.local.get_mut(at).fill(0.0);
-        }
         let values = self.arena.value.get(at);
         let (tiny, negative) = number::wide(|| {
             let (mut tiny, mut negative) = (0_u64, 0_u64);
@@ -260,7 +255,6 @@ impl Domain for Tape<'_> {
         }
         if literal.slack > 0.0 {
             self.arena.nodes[at].exact = false;
-            self.arena.exact[at] = false;
             self.arena.local.get_mut(at).fill(literal.slack);
             self.arena.radius.get_mut(at).fill(literal.slack);
             self.bracket(id);
@@ -402,7 +396,6 @@ impl Domain for Tape<'_> {
                 *b = if all || f64::from(*v as f32) == *v { 0.0 } else { *b };
             }
             let exact = local.iter().all(|b| *b == 0.0);
-            self.arena.exact[at] = false;
             *self.arena.radius.get_mut(at) = local;
             *self.arena.local.get_mut(at) = local;
             let meta = &mut self.arena.nodes[at];

@@ -280,15 +280,17 @@ fn pieced(
     for (k, piece) in pieces.iter().enumerate() {
         promised(profile, piece.rule, lost, args, value, carried, &mut part);
         let (touches, covers) = places(piece, args);
-        if k == 0 && covers.iter().all(|covers| *covers) {
+        if k == 0 && covers.iter().fold(true, |all, covers| all & covers) {
             *local = part;
             return;
         }
-        for slot in 0..SLOTS {
-            let touched = open[slot] & touches[slot];
-            local[slot] = if touched { local[slot].max(part[slot]) } else { local[slot] };
-            open[slot] &= !covers[slot];
-        }
+        number::wide(|| {
+            for slot in 0..SLOTS {
+                let touched = open[slot] & touches[slot];
+                local[slot] = if touched { local[slot].max(part[slot]) } else { local[slot] };
+                open[slot] &= !covers[slot];
+            }
+        });
     }
     // What no piece covers is promised nothing.
     for (b, open) in local.iter_mut().zip(open) {

@@ -5,7 +5,7 @@ use super::arena::{Id, Meta, NodeKind, Slots};
 use super::columns::{WORTH_A_COLUMN, column1, column2};
 use super::functions::{Image1, Image2, image1, image2};
 use super::inherited::{at_zero, power, power_at_zero, root_by_inverse};
-use super::kernels::{self, KernelNode, Out1, Out2, or_infinite, reach};
+use super::kernels::{self, KernelNode, Once, Out1, Out2, or_infinite, reach};
 use super::model::Arg;
 use super::paths::PathStep;
 use super::rounded::either_side;
@@ -225,6 +225,9 @@ impl Tape<'_> {
         let kind = NodeKind::Sum { a, b, signs };
         let id = self.node(Meta { kind, op: Some(op), site, exact: single, tiny: false, not_negative });
         let at = id as usize;
+        if !single && self.moved_once(id, [a, b], op, Once::Sum(signs)) {
+            return id;
+        }
         let (before, value) = self.arena.value.split(at);
         let (radii, carried) = self.arena.radius.split(at);
         let (x, y) = (before.get(a as usize), before.get(b as usize));
@@ -232,7 +235,10 @@ impl Tape<'_> {
         if single {
             number::wide(|| (0..SLOTS).for_each(|slot| value[slot] = signs.0 * x[slot]));
             *carried = *ex;
-            self.arena.local.get_mut(at).fill(0.0);
+            if self.arena.radius.is_zero(a as usize) {
+                self.arena.radius.set_zero(at);
+            }
+            self.arena.local.set_zero(at);
             self.arena.nodes[at].tiny = left.tiny;
             if left.tiny && self.model.flushes() {
                 self.arena.nodes[at].exact = false;
@@ -245,8 +251,8 @@ impl Tape<'_> {
         }
         if let Some(closing) = self.model.closing(op, [left.tiny, right.tiny], self.arena.nodes[at].is_kept()) {
             let node = KernelNode { value, radius: carried, local: self.arena.local.get_mut(at) };
-            let tiny = number::wide(|| kernels::rounded_sum((x, ex), (y, ey), signs, closing, node));
-            self.arena.nodes[at].tiny = tiny;
+            let seen = number::wide(|| kernels::rounded_sum((x, ex), (y, ey), signs, closing, node));
+            self.arena.nodes[at].tiny = seen.tiny;
             self.settle(id);
             return id;
         }
@@ -273,14 +279,17 @@ impl Tape<'_> {
         let meta = Meta { kind, op: Some(op), site: Some(site), exact: false, tiny: false, not_negative };
         let id = self.node(meta);
         let at = id as usize;
+        if self.moved_once(id, [a, b], op, Once::Product) {
+            return id;
+        }
         let (before, value) = self.arena.value.split(at);
         let (radii, carried) = self.arena.radius.split(at);
         let (x, y) = (before.get(a as usize), before.get(b as usize));
         let (ex, ey) = (radii.get(a as usize), radii.get(b as usize));
         if let Some(closing) = self.model.closing(op, tiny, self.arena.nodes[at].is_kept()) {
             let node = KernelNode { value, radius: carried, local: self.arena.local.get_mut(at) };
-            let tiny = number::wide(|| kernels::rounded_product((x, ex), (y, ey), closing, node));
-            self.arena.nodes[at].tiny = tiny;
+            let seen = number::wide(|| kernels::rounded_product((x, ex), (y, ey), closing, node));
+            self.arena.nodes[at].tiny = seen.tiny;
             self.settle(id);
             return id;
         }
@@ -315,11 +324,15 @@ impl Tape<'_> {
         });
         let at = id as usize;
         for pool in [&mut self.arena.value, &mut self.arena.radius] {
+            if pool.is_zero(a as usize) && pool.is_zero(b as usize) {
+                pool.set_zero(at);
+                continue;
+            }
             let (before, to) = pool.split(at);
             *to = *before.get(b as usize);
-            mask.merge(before.get(a as usize), to);
+            number::wide(|| mask.merge(before.get(a as usize), to));
         }
-        self.arena.local.get_mut(at).fill(0.0);
+        self.arena.local.set_zero(at);
         self.settle(id);
         id
     }
@@ -526,6 +539,9 @@ impl Tape<'_> {
 
     /// Completes a node: its local error and with it its radius.
     fn close(&mut self, id: Id) {
+        if self.closed_moving(id) {
+            return;
+        }
         let at = id as usize;
         let (value, local) = (self.arena.value.get(at), self.arena.local.get_mut(at));
         let carried = self.arena.radius.get_mut(at);

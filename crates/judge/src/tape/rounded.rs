@@ -53,7 +53,6 @@ impl Tape<'_> {
 
     fn err_by(&mut self, site: Option<Site>, id: Id, error: &Slots) {
         let at = id as usize;
-        self.arena.exact[at] = false;
         *self.arena.radius.get_mut(at) = *error;
         *self.arena.local.get_mut(at) = *error;
         let meta = &mut self.arena.nodes[at];

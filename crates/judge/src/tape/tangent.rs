@@ -5,25 +5,22 @@
 //! over the operations gives it for all outputs at once; the sign of each error is the one that adds to the displacement that
 //! its operation has from those before it.
 
-use super::arena::{Arena, Id, NodeKind, Pool, Slots};
+use super::arena::{Arena, Id, NodeKind, Pool, Slots, ZEROS};
 use super::held::HeldNodes;
+use super::kernels::{ClosedNode, MovedNode, Once};
 use super::sweep::partials;
-use super::{Column, Model, Tape};
-use crate::profile::Allowed;
+use super::{Column, Model, Tape, lowered};
+use crate::profile::{Allowed, Op};
 use program::interp::{Mask, SLOTS};
 
 /// Rounding of the displacement itself, in binary64: some thousand operations are off by less than this part.
 const ROUNDING: f64 = 1.0 / (1_u64 << 36) as f64;
 
-/// A displacement of 0.
-static STILL: Slots = [0.0; SLOTS];
-
 /// What a tape has on the way to outputs, beside what it remembers in any case.
 #[derive(Default)]
 pub(super) struct Tangents {
+    /// Those of nodes that do not move are zeros.
     displacements: Pool,
-    /// For each node, whether it moves in any slot.
-    moves: Vec<bool>,
     /// For each node, the slots in which nothing bounds it.
     open: Vec<OpenSlots>,
     pub(super) held: HeldNodes,
@@ -49,23 +46,40 @@ impl Tangents {
     }
 
     fn of(&self, id: Id) -> &Slots {
-        if self.moves[id as usize] { self.displacements.get(id as usize) } else { &STILL }
+        self.displacements.get(id as usize)
     }
 
-    /// Writes the displacement of a new node. True when it moves at all.
-    fn follow(&mut self, arena: &Arena, rearranged: bool, id: Id) -> bool {
-        let meta = arena.nodes[id as usize];
+    fn moves(&self, id: Id) -> bool {
+        !self.displacements.is_zero(id as usize)
+    }
+
+    /// Makes room for a node.
+    fn reach(&mut self, id: Id) {
         self.displacements.reach(id as usize);
-        let Self { displacements, moves, .. } = self;
-        let (before, out) = displacements.split(id as usize);
-        let of = |id: Id| if moves[id as usize] { before.get(id as usize) } else { &STILL };
+        if self.open.len() <= id as usize {
+            self.open.resize(id as usize + 1, OpenSlots::default());
+        }
+    }
+
+    /// Writes the displacement of a new node.
+    fn follow(&mut self, arena: &Arena, rearranged: bool, id: Id) {
+        if !self.write(arena, rearranged, id) {
+            self.displacements.set_zero(id as usize);
+        }
+    }
+
+    /// Writes the displacement of a new node. False when it does not move.
+    fn write(&mut self, arena: &Arena, rearranged: bool, id: Id) -> bool {
+        let meta = arena.nodes[id as usize];
         let mut moving = match meta.kind {
             NodeKind::Leaf => return false,
             NodeKind::Sum { a, b, .. } | NodeKind::Product { a, b } | NodeKind::Select { a, b, .. } => {
-                moves[a as usize] || moves[b as usize]
+                self.moves(a) || self.moves(b)
             }
             NodeKind::One { .. } | NodeKind::Two { .. } => false,
         };
+        let (before, out) = self.displacements.split(id as usize);
+        let of = |id: Id| before.get(id as usize);
         match meta.kind {
             NodeKind::Sum { a, b, signs } if moving => {
                 let (dx, dy) = (of(a), of(b));
@@ -93,10 +107,10 @@ impl Tangents {
         for (a, (slope, _)) in partials(arena, id) {
             // A regrouped sum or product errs as a whole, where a function takes its value.
             let whole = rearranged && arena.nodes[a as usize].kind.is_polynomial();
-            if !whole && !moves[a as usize] {
+            if !whole && before.is_zero(a as usize) {
                 continue;
             }
-            let (dx, own) = (of(a), if whole { arena.local.get(a as usize) } else { &STILL });
+            let (dx, own) = (of(a), if whole { arena.local.get(a as usize) } else { &ZEROS });
             let first = !std::mem::replace(&mut moving, true);
             number::wide(|| {
                 for slot in 0..SLOTS {
@@ -151,7 +165,7 @@ impl Tape<'_> {
         let (at, kind) = (id as usize, self.arena.nodes[id as usize].kind);
         let (moved, radius) = (self.tangents().of(id), self.arena.radius.get(at));
         let whole = self.model.is_rearranged() && kind.is_polynomial();
-        let own = if whole { self.arena.local.get(at) } else { &STILL };
+        let own = if whole { self.arena.local.get(at) } else { &ZEROS };
         let mut out = [0.0; SLOTS];
         number::wide(|| {
             for slot in 0..SLOTS {
@@ -181,17 +195,82 @@ impl Tape<'_> {
         if self.is_still() {
             return;
         }
-        let Some(mut tangents) = self.tangents.take() else { return };
-        let (moves, open) = (tangents.follow(&self.arena, self.model.is_rearranged(), id), self.open_at(&tangents, id));
-        let nodes = self.arena.nodes.len();
-        tangents.moves.resize(nodes, false);
-        tangents.open.resize(nodes, OpenSlots::default());
-        (tangents.moves[id as usize], tangents.open[id as usize]) = (moves, open);
-        self.tangents = Some(tangents);
+        let Some(tangents) = &mut self.tangents else { return };
+        tangents.reach(id);
+        tangents.follow(&self.arena, self.model.is_rearranged(), id);
+        let exact = self.arena.radius.is_zero(id as usize);
+        self.note_open(id, if exact { Mask::NONE } else { not_finite(self.arena.radius.get(id as usize)) });
     }
 
-    /// What is open of a new node.
-    fn open_at(&self, tangents: &Tangents, id: Id) -> OpenSlots {
+    /// Writes all columns of a new sum or product at once, where it is rounded once, in the order that is written, and nothing
+    /// but its displacement is wanted of its local error. False, with nothing written, for others.
+    pub(super) fn moved_once(&mut self, id: Id, [a, b]: [Id; 2], op: Op, form: Once) -> bool {
+        let at = id as usize;
+        let tiny = [a, b].map(|id| self.arena.nodes[id as usize].tiny);
+        let Some(closing) = self.model.closing(op, tiny, self.arena.nodes[at].is_kept()) else { return false };
+        if !self.wants_displacements_alone(id) {
+            return false;
+        }
+        let Some(tangents) = &mut self.tangents else { return false };
+        tangents.reach(id);
+        let (values, value) = self.arena.value.split(at);
+        let (radii, radius) = self.arena.radius.split(at);
+        let (before, moved) = tangents.displacements.split(at);
+        let args = [a, b].map(|id| {
+            let at = id as usize;
+            (values.get(at), radii.get(at), before.get(at))
+        });
+        let seen = number::run_wide(MovedNode { form, closing, args, value, radius, moved });
+        self.arena.nodes[at].tiny = seen.tiny;
+        self.note_open(id, if seen.open { not_finite(self.arena.radius.get(at)) } else { Mask::NONE });
+        true
+    }
+
+    /// The same for what completes a function, whose local error is known.
+    pub(super) fn closed_moving(&mut self, id: Id) -> bool {
+        let Model::Device { .. } = self.model else { return false };
+        let at = id as usize;
+        if !self.wants_displacements_alone(id) {
+            return false;
+        }
+        let args = match self.arena.nodes[at].kind {
+            NodeKind::One { a, partial } => [Some((a, partial)), None],
+            NodeKind::Two { a, b, partials: [of_a, of_b] } => [Some((a, of_a)), Some((b, of_b))],
+            NodeKind::Leaf | NodeKind::Sum { .. } | NodeKind::Product { .. } | NodeKind::Select { .. } => return false,
+        };
+        let flushes = self.model.flushes();
+        let Some(tangents) = &mut self.tangents else { return false };
+        tangents.reach(id);
+        let Arena { value, radius, local, partials, .. } = &mut self.arena;
+        let (radii, radius) = radius.split(at);
+        let (before, moved) = tangents.displacements.split(at);
+        let args = args.map(|arg| match arg {
+            Some((a, partial)) => (radii.get(a as usize), partials.get(2 * partial as usize), before.get(a as usize)),
+            None => (&ZEROS, &ZEROS, &ZEROS),
+        });
+        let (value, local) = (value.get(at), local.get(at));
+        let seen = number::run_wide(ClosedNode { flushes, args, value, local, radius, moved });
+        self.arena.nodes[at].tiny = seen.tiny;
+        self.note_open(id, if seen.open { not_finite(self.arena.radius.get(at)) } else { Mask::NONE });
+        true
+    }
+
+    /// True where nothing but displacements and radii are wanted of a node, in the order that is written.
+    fn wants_displacements_alone(&self, id: Id) -> bool {
+        let wanted = self.tangents.as_ref().is_some_and(|tangents| !tangents.still);
+        let lower = lowered::is_lower(self.arena.nodes[id as usize].site);
+        wanted && !self.model.is_rearranged() && self.brackets.is_none() && !lower
+    }
+
+    fn note_open(&mut self, id: Id, all: Mask) {
+        let open = if all.is_empty() { OpenSlots::default() } else { self.open_at(self.tangents(), id, all) };
+        if let Some(tangents) = &mut self.tangents {
+            tangents.open[id as usize] = open;
+        }
+    }
+
+    /// What is open of a new node, in `all` slots in which its radius is not finite.
+    fn open_at(&self, tangents: &Tangents, id: Id, all: Mask) -> OpenSlots {
         let args: [Option<(Id, Mask)>; 2] = match self.arena.nodes[id as usize].kind {
             // Inputs and constants are known.
             NodeKind::Leaf => return OpenSlots::default(),
@@ -204,10 +283,6 @@ impl Tape<'_> {
                 [Some((a, mask)), Some((b, Mask::ALL.minus(mask)))]
             }
         };
-        let all = not_finite(self.arena.radius.get(id as usize));
-        if all.is_empty() {
-            return OpenSlots::default();
-        }
         let args = || args.into_iter().flatten();
         let lost = |id: Id| not_finite(self.arena.value.get(id as usize));
         // A value that is not finite is another cause, and comes first.
@@ -278,6 +353,10 @@ mod tests {
         };
         let value = moving.as_domain().values(moved)[0];
         assert_eq!(value.to_bits(), values.values()[0].to_bits(), "{function} {arguments:?}");
+        // Both tapes take a node's columns in loops of their own.
+        let radius = |tape: &Tape<'_>, column: Column| tape.arena.radius.get(tape.id(&column) as usize)[0].to_bits();
+        let radii = (radius(moving.as_domain(), moved), radius(whole.as_domain(), column));
+        assert_eq!(radii.0, radii.1, "{function} {arguments:?}");
         let allowance = moving.as_domain().allowance(moved)[0];
         let unpromised = moving.as_domain().unpromised(moved).has(0);
         let bound = whole.domain().bounds(column, &mut |_| false).bound[0];

@@ -27,11 +27,16 @@ impl Mask {
     /// The slots for which `test` holds.
     #[inline]
     pub fn where_(test: impl Fn(usize) -> bool) -> Self {
+        let mut flags = [0_u8; SLOTS];
+        for (slot, flag) in flags.iter_mut().enumerate() {
+            *flag = u8::from(test(slot));
+        }
         let mut parts = [0; PARTS];
-        for (k, part) in parts.iter_mut().enumerate() {
-            for bit in 0..64 {
-                *part |= u64::from(test(k * 64 + bit)) << bit;
-            }
+        for (k, eight) in flags.chunks_exact(8).enumerate() {
+            let eight = eight.iter().rev().fold(0, |word, &flag| word << 8 | u64::from(flag));
+            // The product brings the lowest bit of each byte into the highest byte.
+            let bits = eight.wrapping_mul(0x0102_0408_1020_4080) >> 56;
+            parts[k / 8] |= bits << (k % 8 * 8);
         }
         Self(parts)
     }
@@ -143,6 +148,9 @@ mod tests {
         assert_eq!(even.or(low).count(), 35 + SLOTS / 2);
         assert_eq!(low.minus(even).slots().take(3).collect::<Vec<_>>(), [1, 3, 5]);
         assert_eq!(low.slots().last(), Some(69));
+        for slot in 0..SLOTS {
+            assert_eq!(Mask::where_(|at| at == slot).slots().collect::<Vec<_>>(), [slot]);
+        }
         assert!(Mask::ALL.is_full() && Mask::NONE.is_empty() && !even.has(1) && even.has(SLOTS - 2));
     }
 
