@@ -12,7 +12,8 @@ use engine::suite::Suite;
 use engine::suite::run::{Case, FindingKind, Prepared, Report};
 use judge::verdict::diagnosis::{self, Origin, Suspected};
 use judge::verdict::{
-    Blame, Deviation, JudgeContext, Literals, Oracle, Reason, Reference, Verdict, dependences, judge_batch, judge_each,
+    BatchVerdict, Blame, Deviation, JudgeContext, Judges, Literals, Oracle, Reason, Reference, Verdict, dependences,
+    judge_batch, judge_each,
 };
 use lanes::{Actual, Api, Description, Lane, LaneError, Runner, Stage, embedded};
 use program::interp::{Dependence, Laws};
@@ -152,6 +153,34 @@ fn sums_in_another_order_are_told_from_other_faults() {
     // The same device is right by a promise that allows it.
     let allowing = check(&right, &regrouped, text(vulkan()));
     assert_eq!(allowing.verdicts.deviated, 0, "{:?}", allowing.findings);
+}
+
+/// What judges keep from one batch does not show in the verdict on the next: right, wrong, and right again.
+#[test]
+fn judges_that_are_used_again_say_what_new_ones_say() {
+    let strict = by_name("binary32").unwrap();
+    let right = replaced("two_bones", "", "");
+    let device = Adversary::lane(strict, Stage::Compute, Strategy::Random, 1, false);
+    let wrong = Adversary::lane(strict, Stage::Compute, Strategy::Random, 1, false).with_laws(Laws::Order);
+    let promises = text(strict);
+    let context =
+        JudgeContext { oracle: &right.oracle, reference: &right.reference, promises: &promises, stage: Stage::Compute };
+    let kept = Judges::new(&context);
+    let mut deviated = Vec::new();
+    for (seed, lane) in [(1, &device), (2, &wrong), (3, &device), (2, &wrong)] {
+        let batch = Sampler::new(right.plan.clone(), seed).batch(0, 300, 4);
+        let actual = lane.prepare(&right.compute, batch.invocation_count()).unwrap().run(&batch).unwrap();
+        let (again, new) = (kept.judge(&batch, &actual), judge_batch(&context, &batch, &actual));
+        let of = |verdict: &BatchVerdict| {
+            let failures = verdict.failures.iter().map(|failure| failure.invocation).collect::<Vec<_>>();
+            let BatchVerdict { agreed, agreed_by, undetermined, max_ulp, .. } = *verdict;
+            (agreed, agreed_by, undetermined, max_ulp.to_bits(), failures)
+        };
+        assert_eq!(of(&again), of(&new), "seed {seed}");
+        assert_eq!(again.seen(), 1200);
+        deviated.push(again.deviated);
+    }
+    assert!(deviated[0] == 0 && deviated[1] > 0 && deviated[2] == 0 && deviated[3] == deviated[1], "{deviated:?}");
 }
 
 /// A shader without the word `precise`, by a profile that allows another order: what another order explains is not laid on

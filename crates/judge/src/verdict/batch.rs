@@ -10,7 +10,7 @@ use super::first_look::{self, ColumnValues, look};
 use super::fit::{far_apart, unfit};
 use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Verdict};
 use super::oracle::JudgeContext;
-use super::parallel::parts;
+use super::parallel::{Idle, parts};
 use super::reference::{Evaluator, Expected};
 use super::second_pass::SecondPass;
 use super::undefined::{self, Looker};
@@ -196,21 +196,42 @@ const FEW: usize = 512;
 /// }
 /// ```
 pub fn judge_batch(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) -> BatchVerdict {
-    let count = batch.invocation_count();
-    assert_eq!(actual.count(), count, "outputs of another batch");
-    let chunks = parts(
-        count.div_ceil(CHUNK),
-        || Judge::new(context),
-        |judge, chunk| match chunk > 0 && interrupt::asked() {
-            true => BatchVerdict::default(),
-            false => judge.judge(batch, actual, chunk * CHUNK..((chunk + 1) * CHUNK).min(count)),
-        },
-    );
-    let mut all = BatchVerdict::default();
-    for chunk in chunks {
-        all.merge(chunk);
+    Judges::new(context).judge(batch, actual)
+}
+
+/// What judges batch after batch: machines and tapes stay from one to the next.
+pub struct Judges<'a> {
+    context: JudgeContext<'a>,
+    idle: Idle<Judge<'a>>,
+}
+
+impl<'a> Judges<'a> {
+    /// For batches of one program on one lane.
+    pub fn new(context: &JudgeContext<'a>) -> Self {
+        Self { context: *context, idle: Idle::default() }
     }
-    all
+
+    /// The same as [`judge_batch`].
+    ///
+    /// # Panics
+    /// When `actual` is not of this batch: a defect of the caller.
+    pub fn judge(&self, batch: &Batch, actual: &Actual) -> BatchVerdict {
+        let count = batch.invocation_count();
+        assert_eq!(actual.count(), count, "outputs of another batch");
+        let chunks = self.idle.parts(
+            count.div_ceil(CHUNK),
+            || Judge::new(&self.context),
+            |judge, chunk| match chunk > 0 && interrupt::asked() {
+                true => BatchVerdict::default(),
+                false => judge.judge(batch, actual, chunk * CHUNK..((chunk + 1) * CHUNK).min(count)),
+            },
+        );
+        let mut all = BatchVerdict::default();
+        for chunk in chunks {
+            all.merge(chunk);
+        }
+        all
+    }
 }
 
 /// Judges each invocation of a small batch. The verdicts are in the order of the batch.

@@ -40,7 +40,7 @@ mod whole;
 mod whole_survey;
 mod words;
 
-pub use batch::{BatchVerdict, Doubts, Failure, judge_at, judge_batch, judge_each};
+pub use batch::{BatchVerdict, Doubts, Failure, Judges, judge_at, judge_batch, judge_each};
 pub use closeup::{Closeup, Seen, closeups};
 pub use edges::{Edges, Question, Reached, edges};
 pub use expectations::{Movement, movement, shader_deviation};

@@ -11,15 +11,34 @@ pub(super) fn parts<T: Send, R: Send>(
     make: impl Fn() -> T + Sync,
     work: impl Fn(&mut T, usize) -> R + Sync,
 ) -> Vec<R> {
-    let idle = Mutex::new(Vec::new());
-    let take = || idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
-    (0..count)
-        .into_par_iter()
-        .map(|part| {
-            let mut with = take().unwrap_or_else(&make);
+    Idle::default().parts(count, make, work)
+}
+
+/// What threads work with, from one work to the next.
+pub(super) struct Idle<T>(Mutex<Vec<T>>);
+
+impl<T> Default for Idle<T> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<T: Send> Idle<T> {
+    /// [`parts`] with what was left from the work before.
+    pub(super) fn parts<R: Send>(
+        &self,
+        count: usize,
+        make: impl Fn() -> T + Sync,
+        work: impl Fn(&mut T, usize) -> R + Sync,
+    ) -> Vec<R> {
+        let idle = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let one = |part| {
+            let left = idle().pop();
+            let mut with = left.unwrap_or_else(&make);
             let result = work(&mut with, part);
-            idle.lock().unwrap_or_else(PoisonError::into_inner).push(with);
+            idle().push(with);
             result
-        })
-        .collect()
+        };
+        (0..count).into_par_iter().map(one).collect()
+    }
 }

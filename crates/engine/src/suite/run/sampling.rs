@@ -9,7 +9,7 @@ use super::survey::MOST;
 use super::trial::Trial;
 use super::{Request, Share};
 use base::value::Batch;
-use judge::verdict::{judge_batch, survey};
+use judge::verdict::{Judges, judge_batch, survey};
 use lanes::{Actual, LaneError, interrupt};
 use program::InputSource;
 use property::{Sample, Sampler};
@@ -56,6 +56,7 @@ pub fn sample(
     let part = share.shard.range(cases);
     let mut sampled = share.resume.take().unwrap_or(Sampled { next: part.start, counted: Counted::default() });
     let context = trial.context();
+    let judges = Judges::new(&context);
     let batch_at = |first: u64| {
         let count = cases_per_batch.min(part.end.saturating_sub(first));
         (count > 0).then(|| sampler.batch(first, count as usize, per_case))
@@ -79,7 +80,7 @@ pub fn sample(
         rayon::in_place_scope(|scope| {
             scope.spawn(|_| next = batch_at(after));
             if let Some((batch, actual)) = &finished {
-                scope.spawn(|_| verdict = Some(judge_batch(&context, batch, actual)));
+                scope.spawn(|_| verdict = Some(judges.judge(batch, actual)));
                 if wants_survey {
                     scope.spawn(|_| surveyed = Some(survey(&context, batch, actual, MOST)));
                 }
