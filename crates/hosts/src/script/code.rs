@@ -45,7 +45,7 @@ pub struct Write {
 pub struct Function {
     /// From the parenthesis that opens its parameters to the one that closes them.
     pub parameters: Range<usize>,
-    /// From the first to behind the last brace.
+    /// From the first to behind the last brace; of an arrow of JavaScript with a value behind it, that value.
     pub body: Range<usize>,
 }
 
@@ -323,7 +323,25 @@ impl<'t> Code<'t> {
                 found.push(Function { parameters, body: open..close + 1 });
             }
         }
+        if self.language == Language::JavaScript {
+            found.extend((0..self.tokens.len()).filter_map(|at| self.arrow(at)));
+            found.sort_by_key(|f| f.body.start);
+        }
         found
+    }
+
+    /// The function `name = (…) => value` whose arrow begins at a token.
+    fn arrow(&self, at: usize) -> Option<Function> {
+        let touches = self.place(at).end == self.place(at + 1).start;
+        let braced = self.is_mark(at + 2, '{');
+        (self.is_mark(at, '=') && self.is_mark(at + 1, '>') && touches && !braced).then_some(())?;
+        let parameters = self.parameters_before(at)?;
+        let mut before = parameters.start.checked_sub(1)?;
+        if self.word(before) == Some("async") {
+            before = before.checked_sub(1)?;
+        }
+        let named = self.is_mark(before, '=') && before.checked_sub(1).is_some_and(|b| self.word(b).is_some());
+        named.then(|| Function { parameters, body: at + 2..self.end_of_value(at + 2) })
     }
 
     /// The parameters of the function whose body a brace opens.

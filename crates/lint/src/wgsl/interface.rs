@@ -46,7 +46,7 @@ pub(super) fn beside<'p>(project: &'p Project, host: &str, path: &str) -> Option
         return Some(file);
     }
     let end = format!("/{}", path.trim_start_matches(['.', '/', '@', '~']));
-    let mut found = project.shader_files().filter(|(p, _)| p.ends_with(&end));
+    let mut found = project.shader_files().filter(|(p, _)| p.ends_with(&end) || **p == end[1..]);
     found.next().filter(|_| found.next().is_none()).map(|(_, file)| file)
 }
 

@@ -62,7 +62,10 @@ fn group(values: &Values<'_, '_>, pipelines: &[Pipeline], descriptor: &Value) ->
         let (open, entry) = values.object(element)?;
         let binding = values.entry(open, &entry, "binding").value()?;
         let size = whole_buffer(values, open, &entry);
-        Some(Bound { binding: number(values, &binding)?, place: code.span(&binding.tokens), size })
+        // An entry that a function of the file makes is wrong where that is called.
+        let written_here = element.tokens.contains(&binding.tokens.start);
+        let place = code.span(if written_here { &binding.tokens } else { &element.tokens });
+        Some(Bound { binding: number(values, &binding)?, place, size })
     });
     Some(BindGroup { pipeline, index, bindings: bindings.collect::<Option<_>>()?, place: code.span(&list.tokens) })
 }

@@ -4,6 +4,7 @@ use base::text::Span;
 
 use super::layout::argument_of;
 use super::value::{Value, Values};
+use crate::script::code::Call;
 use crate::script::language::Language;
 use crate::script::token::Token;
 
@@ -64,10 +65,46 @@ fn text(values: &Values<'_, '_>, value: &Value) -> Option<Source> {
     {
         return Some(Source::String(*place));
     }
+    if let Some(path) = loaded(values, &value) {
+        return Some(Source::File(path));
+    }
     let at = range.clone().find(|at| code.word(*at) == Some("include_str"))?;
     let whole = at == range.start && code.is_mark(at + 1, '!') && code.other(at + 2) == Some(range.end - 1);
     let (name, _) = code.string(&(at + 3..range.end - 1)).filter(|_| whole)?;
     Some(Source::File(name.to_owned()))
+}
+
+/// The file whose text a call gives: `fetch(path).then(r => r.text())`, `(await fetch(path)).text()`,
+/// `fs::read_to_string(path)`.
+fn loaded(values: &Values<'_, '_>, value: &Value) -> Option<String> {
+    let code = values.code;
+    let call = values.call(&value.tokens)?;
+    let first = |call: Call, value: &Value| {
+        let tokens = code.elements(call.open).into_iter().next()?;
+        Some(Value { tokens, frame: value.frame.clone() })
+    };
+    let path = match code.word(call.name)? {
+        "read_to_string" => first(call, value)?,
+        word @ ("then" | "text") => {
+            let gives_text = |given: Value| {
+                let mut all = given.tokens;
+                all.any(|at| code.is_mark(at, '.') && code.word(at + 1) == Some("text") && code.is_mark(at + 2, '('))
+            };
+            (word == "text" || first(call, value).is_some_and(gives_text)).then_some(())?;
+            let receiver = Value { tokens: value.tokens.start..call.name.checked_sub(1)?, frame: value.frame.clone() };
+            let response = values.resolve(&receiver)?;
+            let fetch = values.call(&response.tokens).filter(|c| code.word(c.name) == Some("fetch"))?;
+            first(fetch, &response)?
+        }
+        _ => return None,
+    };
+    let mut path = values.resolve(&path)?;
+    if let Some(url) = values.call(&path.tokens).filter(|c| code.word(c.name) == Some("URL")) {
+        path = values.resolve(&first(url, &path)?)?;
+    }
+    let (name, _) = code.string(&path.tokens).filter(|(name, _)| !name.contains(['$', '{']))?;
+    let name = name.split('?').next().unwrap_or(name);
+    name.ends_with(".wgsl").then(|| name.to_owned())
 }
 
 /// The file that a name of JavaScript is imported from.

@@ -2,6 +2,8 @@
 //! argument of a call in the same file, the result of a function of the file. Where there are two answers there is none.
 
 mod functions;
+mod members;
+mod patterns;
 
 use std::ops::Range;
 use std::rc::Rc;
@@ -192,6 +194,9 @@ impl<'t> Values<'_, 't> {
         let all: Vec<&Write> =
             code.writes.iter().filter(|w| w.target == name && !self.is_of_self(w) && !w.value.contains(&at)).collect();
         for body in code.around(at) {
+            if let Some(element) = self.of_list(name, &body, from) {
+                return Some(element);
+            }
             if self.is_bound_otherwise(name, &body, at) {
                 return None;
             }
@@ -316,48 +321,6 @@ impl<'t> Values<'_, 't> {
                 && t.checked_sub(1)
                     .is_some_and(|b| matches!(self.code.tokens[b], Token::Mark('(' | ',' | '=') | Token::Word("move")))
         })
-    }
-
-    /// A member of the object whose method this is: the one value that the file gives it.
-    fn member(&self, name: &str, at: usize) -> Option<Value> {
-        let code = self.code;
-        if name.contains('.') {
-            return None;
-        }
-        let assigned = code.writes.iter().filter(|w| w.target == name && self.is_of_self(w)).map(|w| w.value.clone());
-        let mut found: Vec<Range<usize>> = assigned.collect();
-        for open in (0..code.tokens.len()).filter(|t| code.is_mark(*t, '{')) {
-            let made = open.checked_sub(1).and_then(|b| code.word(b));
-            let owner = || self.implemented(at);
-            let is_struct =
-                open.checked_sub(2).is_some_and(|b| matches!(code.word(b), Some("struct" | "for" | "impl")));
-            if code.language == Language::Rust && !is_struct && made.is_some_and(|m| m == "Self" || owner() == Some(m))
-            {
-                found.extend(code.property(open, name));
-            }
-        }
-        match found.as_slice() {
-            [only] => Some(Value { tokens: only.clone(), frame: None }),
-            _ => None,
-        }
-    }
-
-    /// The type whose `impl` a token stands in.
-    fn implemented(&self, at: usize) -> Option<&'t str> {
-        let code = self.code;
-        let mut open = code.bracket(at);
-        while let Some(brace) = open {
-            let start = brace.saturating_sub(16);
-            let head = (start..brace).rev().take_while(|t| !code.is_mark(*t, '}') && !code.is_mark(*t, ';'));
-            if let Some(at) = head.into_iter().find(|t| code.word(*t) == Some("impl")) {
-                let last = (at..brace).rev().find(|t| code.word(*t) == Some("for")).unwrap_or(at);
-                return (last + 1..brace).filter(|t| code.bracket(*t) == code.bracket(brace)).find_map(|t| {
-                    code.word(t).filter(|w| w.starts_with(char::is_uppercase) && !code.is_mark(t + 1, ':'))
-                });
-            }
-            open = code.bracket(brace);
-        }
-        None
     }
 
     /// A constant of a type or a module.

@@ -289,4 +289,45 @@ mod tests {
         assert!(of("'auto'", "...entries").is_empty());
         assert!(of("stated", "").is_empty());
     }
+
+    #[test]
+    fn entries_and_layouts_may_come_from_small_functions_and_texts_from_paths() {
+        let host = |made: &str, entries: &str| {
+            format!(
+                "class Solver {{\n\
+                 static async create(device) {{\n\
+                 const solver = new Solver(device);\n\
+                 const [other, text] = await Promise.all([\n\
+                 fetch('/b.wgsl').then(r => r.text()), {made},\n\
+                 ]);\n\
+                 const module = device.createShaderModule({{ code: text }});\n\
+                 solver.pipeline = device.createRenderPipeline({{ layout: 'auto', vertex: {{ module }}, fragment: {{ module, targets: [] }} }});\n\
+                 solver.bind();\n\
+                 }}\n\
+                 bind() {{\n\
+                 const layout = (pipeline) => pipeline.getBindGroupLayout(0);\n\
+                 const entry = (binding, buffer) => ({{ binding, resource: {{ buffer }} }});\n\
+                 this.group = this.device.createBindGroup({{ layout: layout(this.pipeline), entries: [{entries}] }});\n\
+                 }}\n\
+                 }}\n"
+            )
+        };
+        let light = module("var<uniform> light: Light;", "light.power");
+        let of = |made: &str, entries: &str| found("src/solver.js", &host(made, entries), &light);
+        let lacks = ["the shaders do not use binding 1 of group 0, so the derived layout does not have it"];
+        for made in [
+            "fetch('/a.wgsl').then(r => r.text())",
+            "(await fetch('../a.wgsl?v=1')).text()",
+            "fetch(new URL('./a.wgsl', import.meta.url)).then(async (r) => { return r.text(); })",
+        ] {
+            assert_eq!(of(made, "entry(0, this.a), entry(1, this.b)"), lacks, "{made}");
+            assert!(of(made, "entry(0, this.a)").is_empty(), "{made}");
+        }
+        // A text of which nothing is known, a response that is no text, a layout of another object.
+        assert!(of("load('/a.wgsl')", "entry(0, this.a), entry(1, this.b)").is_empty());
+        assert!(of("fetch('/a.wgsl').then(r => r.json())", "entry(1, this.b)").is_empty());
+        let other =
+            host("fetch('/a.wgsl').then(r => r.text())", "entry(1, this.b)").replace("new Solver(", "new Other(");
+        assert!(found("src/solver.js", &other, &light).is_empty());
+    }
 }

@@ -140,8 +140,10 @@ impl<'t> Values<'_, 't> {
             .clone()
             .filter(|t| code.word(*t) == Some("return") && self.function_around(*t) == Some(index))
             .collect();
-        let close = function.body.end - 1;
+        let close = function.body.end.saturating_sub(1);
+        let is_value = code.language == Language::JavaScript && !code.is_mark(function.body.start, '{');
         let tokens = match (code.language, returns.as_slice()) {
+            _ if is_value => function.body.clone(),
             (_, [only]) if code.bracket(*only) == Some(function.body.start) => only + 1..code.end_of_value(only + 1),
             (Language::Rust, []) => {
                 let open = function.body.start;
