@@ -138,6 +138,11 @@ pub fn all() -> impl ExactSizeIterator<Item = (Code, &'static str)> {
     OWN.iter().map(|&(code, _, about)| (code, about))
 }
 
+/// True for the code of a value that has another type than its place takes.
+pub fn is_of_types(code: Code) -> bool {
+    [ASSIGN_TYPE, OPERAND_TYPE, RETURN_TYPE, CONDITION_TYPE, NO_OVERLOAD].contains(&code)
+}
+
 /// True for an error of characters, directives and the grammar: what stands behind it may be read otherwise than it is meant.
 pub fn is_of_the_text(code: Code) -> bool {
     matches!(code.0.get(..3), Some("E00" | "E01"))

@@ -109,6 +109,10 @@ impl ShaderFile {
                 let (names, refused): (Vec<_>, Vec<_>) =
                     refused.into_iter().partition(|(_, d)| errors::is_name(d.code));
                 shader.refused = refused;
+                // The other reader stops at the first error, and tells no place of many.
+                if shader.front_end.iter().any(|d| errors::is_of_types(d.code)) {
+                    shader.refused.retain(|(_, d)| d.severity != Severity::Error);
+                }
                 for (level, error) in names {
                     if level > Level::Default || open::declares_elsewhere(&shader.shader, &error) {
                         shader.doubtful.push((error.code, error.span));

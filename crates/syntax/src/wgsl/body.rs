@@ -66,7 +66,7 @@ impl Checker<'_> {
             }
             StmtKind::Block(block) => self.inside(|c| c.statements(&block.statements)),
             StmtKind::If { condition, then, otherwise } => {
-                self.root(*condition);
+                self.condition(*condition);
                 self.statement(then);
                 if let Some(otherwise) = otherwise {
                     self.statement(otherwise);
@@ -75,7 +75,7 @@ impl Checker<'_> {
             StmtKind::For { init, condition, step, body, head_span: _ } => self.inside(|c| {
                 c.statement(init);
                 if let Some(Condition::Expr(condition)) = condition {
-                    c.root(*condition);
+                    c.condition(*condition);
                 }
                 c.statement(body);
                 if let Some(step) = step {
@@ -84,7 +84,7 @@ impl Checker<'_> {
             }),
             StmtKind::While { condition, body } => {
                 if let Condition::Expr(condition) = condition {
-                    self.root(*condition);
+                    self.condition(*condition);
                 }
                 self.statement(body);
             }
@@ -94,7 +94,7 @@ impl Checker<'_> {
                     StmtKind::Block(block) => c.statements(&block.statements),
                     _ => c.statement(body),
                 }
-                c.root(*condition);
+                c.condition(*condition);
             }),
             StmtKind::Switch { selector, body } => {
                 self.root(*selector);
@@ -106,6 +106,7 @@ impl Checker<'_> {
                 if let Some(scalar) = self.current.as_ref().and_then(|(_, ty)| ty.scalar()) {
                     self.adopt(*value, scalar);
                 }
+                self.result_fits(*value);
             }
             StmtKind::Empty
             | StmtKind::Precision(_)
@@ -143,6 +144,11 @@ impl Checker<'_> {
         if let Some(scope) = self.scopes.last_mut() {
             scope.insert(name, entry);
         }
+    }
+
+    fn condition(&mut self, id: ExprId) {
+        self.root(id);
+        self.condition_fits(id);
     }
 
     /// Types a whole expression and records which variables it uses.

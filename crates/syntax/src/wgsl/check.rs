@@ -40,6 +40,8 @@ pub(super) struct Found {
     pub unknown: bool,
     /// Constant indices that no element has, with the number of elements.
     pub beyond: Vec<(ExprId, i64, u32)>,
+    /// Values that have another type than their place takes.
+    pub misfits: Vec<super::misfit::Misfit>,
     /// Structures that are too large to be read, with the reason.
     pub too_large: Vec<(Span, String)>,
     /// Symbols of variables at module scope, by the index of the item.
@@ -75,7 +77,7 @@ pub(super) struct Checker<'a> {
 /// Attributes whose arguments are numbers; those of others are words.
 const NUMBERS: &[&str] = &["align", "binding", "blend_src", "group", "id", "location", "size", "workgroup_size"];
 
-fn name_of(item: &ModuleItem) -> &Ident {
+pub(super) fn name_of(item: &ModuleItem) -> &Ident {
     match item {
         ModuleItem::Struct { name, .. } | ModuleItem::Alias { name, .. } | ModuleItem::Function { name, .. } => name,
         ModuleItem::Variable(v) => &v.name,
@@ -242,6 +244,7 @@ impl<'a> Checker<'a> {
                 let ty = self.ty(ty);
                 if let (Some(value), Some(scalar)) = (variable.value, ty.scalar()) {
                     self.adopt(value, scalar);
+                    self.value_fits(&ty, value);
                 }
                 (ty, false)
             }

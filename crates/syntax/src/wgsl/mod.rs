@@ -8,6 +8,7 @@ mod check;
 mod expression;
 mod layout;
 mod lexer;
+mod misfit;
 mod parser;
 mod statement;
 mod syntax;
@@ -142,6 +143,7 @@ pub(super) fn read(file: &SourceFile) -> super::Parsed {
         uses,
         unknown,
         beyond,
+        mut misfits,
         too_large,
         globals,
         signatures,
@@ -161,6 +163,17 @@ pub(super) fn read(file: &SourceFile) -> super::Parsed {
             .with_why(message!("the elements are 0 to {last}", "要素は 0 から {last} です"))
             .with_help(message!("use an index inside the range", "範囲内の添字にしてください"));
         sink.push(d);
+    }
+    // Of several declarations of one name, or of several texts, each has its own types.
+    let mut declared: Vec<&str> = items.iter().map(|item| check::name_of(item).name.as_str()).collect();
+    let count = declared.len();
+    declared.sort_unstable();
+    declared.dedup();
+    if pieces.varies || filled || declared.len() < count {
+        misfits.clear();
+    }
+    for misfit::Misfit { code, place, what, label } in misfits {
+        sink.error(code, place, what, label);
     }
     let structures = items.iter().filter_map(|i| match i {
         ModuleItem::Struct { name, .. } => Some(name.name.clone()),

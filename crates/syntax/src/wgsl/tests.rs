@@ -140,3 +140,57 @@ fn any_text_is_read_without_a_panic() {
         parsed(&text);
     }
 }
+
+/// What is told of a function with this body, which gives back an `f32`.
+fn misfits(body: &str) -> Vec<String> {
+    errors(&format!(
+        "const K = 3; const TABLE = array(1, 2, 3); const HALF = vec2(1, 2);\n\
+         fn twice(x: f32) -> f32 {{ return 2 * x; }}\n\
+         fn f(v: vec3f, u: u32, i: i32, b: bool, m: mat3x3f) -> f32 {{ {body} return 0; }}\n"
+    ))
+}
+
+#[test]
+fn values_of_another_type_than_their_place_takes_are_told() {
+    let operands = |a: &str, op: &str, b: &str| format!("`{op}` does not take `{a}` and `{b}`");
+    for (body, told) in [
+        ("let x = any(v < vec3f() || v > vec3f(1));", operands("vec3<bool>", "||", "vec3<bool>")),
+        ("let x = v + vec2f(1, 1);", operands("vec3f", "+", "vec2f")),
+        ("let x = u + i;", operands("u32", "+", "i32")),
+        ("let x = u * 1.5;", operands("u32", "*", "f32")),
+        ("let x = m * vec4f();", operands("mat3x3f", "*", "vec4f")),
+        ("let x = v < 0.0;", operands("vec3f", "<", "f32")),
+        ("let x = 1u << i;", operands("u32", "<<", "i32")),
+        ("let x = v & vec3f();", operands("vec3f", "&", "vec3f")),
+        ("var x = u; x += i;", operands("u32", "+", "i32")),
+        ("let x: f32 = u;", "a value of type `u32` does not go into a `f32`".to_owned()),
+        ("var x = v; x = v.xy;", "a value of type `vec2f` does not go into a `vec3f`".to_owned()),
+        ("let x: i32 = 1.5;", "a value of type `f32` does not go into a `i32`".to_owned()),
+        ("if b { return v; }", "the function returns `f32`, and this value is `vec3f`".to_owned()),
+        ("if u { return 1; }", "a condition is a `bool`, not a `u32`".to_owned()),
+        ("let x = twice(v);", "`twice` takes a `f32` here, not a `vec3f`".to_owned()),
+    ] {
+        let found = misfits(body);
+        assert!(found.len() == 1 && found[0].ends_with(&told), "{body}: {found:?}");
+    }
+}
+
+#[test]
+fn numbers_that_are_written_out_take_the_type_of_their_place() {
+    for body in [
+        "let x = u + K; let y = v.x * K; let z: u32 = min(K, 2) + 1; let w = 1u << K;",
+        "let x = u * TABLE[1]; let y = v.x + HALF.y; let z: vec2f = HALF; let w = u + max(1, 2);",
+        "let x = all(v < vec3(1)) && b; let y = m * v; let z = v * m; let w = 2 * m; let k = v / 2;",
+        "let p = &TABLE; let x = select(0, 1, b); let y: u32 = x_of(u); let z: f32 = unseen;",
+        "var x = u; x += 1; x <<= 2; x |= 1u << u; let y = -(1) + i; let z = u % 2 == 0;",
+        "var a: array<u32, 4>; a[K] = 1; let y = a[i] & 0xff; for (var k = 0; k < K; k++) { let q = i + k; }",
+        "let x = b & (u > 1); let y = (v < vec3f()) | (v > vec3f(1)); let z = twice(1);",
+    ] {
+        let found = misfits(body);
+        assert!(found.is_empty(), "{body}: {found:?}");
+    }
+    // Of texts that an engine puts together, each has its own types.
+    assert!(
+        errors("#ifdef A\nalias T = f32;\n#else\nalias T = u32;\n#endif\nfn f(x: u32) -> T { return x; }\n").is_empty()
+    );
+}

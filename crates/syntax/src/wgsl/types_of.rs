@@ -37,7 +37,9 @@ impl Checker<'_> {
                 ty
             }
             ExprKind::Index { base, index } => {
+                let of = base;
                 let base = self.expression(base);
+                self.is_abstract[id.index()] = self.is_abstract[of.index()];
                 self.expression(index);
                 let value = self.out.values[index.index()].and_then(Const::as_integer);
                 if let (Some(value), Some(count)) = (value, base.index_count())
@@ -48,7 +50,9 @@ impl Checker<'_> {
                 base.indexed().unwrap_or(Type::Error)
             }
             ExprKind::Field { base, field } => {
+                let of = base;
                 let base = self.expression(base);
+                self.is_abstract[id.index()] = self.is_abstract[of.index()];
                 field_of(&base, &field)
             }
             ExprKind::Call { callee, args } => self.call(id, &callee, &args),
@@ -59,13 +63,21 @@ impl Checker<'_> {
                 if op == UnaryOp::Not && ty.is_error() { Type::Error } else { ty }
             }
             ExprKind::Postfix { increment: _, op_span: _, operand } => self.expression(operand),
-            ExprKind::Binary { op, op_span: _, left, right } => self.binary(id, op, left, right),
-            ExprKind::Assign { op, op_span: _, target, value } => {
+            ExprKind::Binary { op, op_span, left, right } => {
+                let ty = self.binary(id, op, left, right);
+                self.operands_fit(op, op_span, left, right);
+                ty
+            }
+            ExprKind::Assign { op, op_span, target, value } => {
                 let ty = self.expression(target);
                 self.expression(value);
                 let shifts = matches!(op, Some(BinaryOp::Shl | BinaryOp::Shr));
                 if let (Some(scalar), false) = (ty.scalar(), shifts) {
                     self.adopt(value, scalar);
+                }
+                match op {
+                    None => self.value_fits(&ty, value),
+                    Some(op) => self.operands_fit(op, op_span, target, value),
                 }
                 ty
             }
@@ -245,7 +257,7 @@ impl Checker<'_> {
                         self.arena.replace(id, ExprKind::Call { callee, args });
                     }
                     self.out.calls[id.index()] = Some(CallTarget::User(function));
-                    info.return_type
+                    if self.arguments_fit(function, args) { info.return_type } else { Type::Error }
                 }
                 Some(Entry::Variable(_) | Entry::Hidden(_)) => Type::Error,
                 None => self.builtin(id, name, args),
@@ -316,7 +328,7 @@ impl Checker<'_> {
             _ => {}
         }
         if let Some(function) = builtin::of_glsl(&name.name) {
-            self.numbers(function, args);
+            self.numbers(id, function, args);
             if function.name() != name.name {
                 let callee = Callee::Name(Ident { name: function.name().to_owned(), span: name.span });
                 self.arena.replace(id, ExprKind::Call { callee, args: args.to_vec() });
@@ -331,7 +343,7 @@ impl Checker<'_> {
     }
 
     /// Gives abstract arguments of a function of numbers their type.
-    fn numbers(&mut self, function: F, args: &[ExprId]) {
+    fn numbers(&mut self, id: ExprId, function: F, args: &[ExprId]) {
         let mixed = [F::Ldexp, F::BitfieldExtract, F::BitfieldInsert, F::Any, F::All];
         let any = [
             F::Abs,
@@ -349,6 +361,9 @@ impl Checker<'_> {
             return;
         }
         let scalar = self.unify(args);
+        // Of numbers that are written out, so is the largest.
+        let kept = [F::Abs, F::Min, F::Max, F::Clamp, F::Sign, F::Dot];
+        self.is_abstract[id.index()] = kept.contains(&function) && args.iter().all(|a| self.is_abstract[a.index()]);
         if !any.contains(&function) && scalar == Some(ScalarType::Int) && !function.name().starts_with("unpack") {
             args.iter().for_each(|a| self.adopt(*a, ScalarType::Float));
         }
@@ -399,7 +414,7 @@ fn field_of(base: &Type, field: &Ident) -> Type {
     }
 }
 
-fn arithmetic(op: BinaryOp, a: &Type, b: &Type) -> Type {
+pub(super) fn arithmetic(op: BinaryOp, a: &Type, b: &Type) -> Type {
     if a.scalar() != b.scalar() {
         return Type::Error;
     }
