@@ -8,8 +8,9 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 
 use base::diagnostic::{Code, Diagnostic, Severity};
 use base::text::SourceFile;
-use syntax::ast::ItemKind;
+use syntax::ast::{ExprKind, ItemKind};
 use syntax::errors::Around;
+use syntax::types::Type;
 use syntax::wgsl::Module;
 use syntax::{BuiltinFunction, Profile, Shader, Stage, Token, TokenKind, TokenPlace, Version, errors, is_macro};
 
@@ -153,13 +154,27 @@ impl<'a> Surroundings<'a> {
             rests |= Around::ENABLED;
         }
         // A block may include its members.
-        if error.code == errors::UNKNOWN_FIELD && self.open.contains(Around::MACROS) {
+        if error.code == errors::UNKNOWN_FIELD && self.open.contains(Around::MACROS) && self.may_have_more(error) {
             rests |= Around::NAMES;
         }
         if error.code == errors::CONSTRUCTOR && file.expansion(error.span).is_some() {
             rests |= Around::GRAMMAR;
         }
         rests
+    }
+
+    /// True for a member of a structure or block that is not all there: a directive stands among its members.
+    fn may_have_more(&self, error: &Diagnostic) -> bool {
+        let shader = self.shader;
+        let structure = shader.arena().iter().find_map(|(_, e)| match &e.kind {
+            ExprKind::Field { base, field } if field.span == error.span => match shader.type_of(*base) {
+                Type::Struct(structure) => Some(structure.span),
+                _ => None,
+            },
+            _ => None,
+        });
+        let declared = structure.and_then(|name| shader.unit().items.iter().find(|i| i.span.contains(name.start)));
+        declared.is_none_or(|item| shader.file().slice(item.span).contains('#'))
     }
 
     /// True for an error at a macro that nothing in the text defines.

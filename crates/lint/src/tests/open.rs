@@ -459,6 +459,9 @@ fn what_an_include_may_define_or_hold_is_told_on_request() {
     only_on_request(&[("a.frag", &inline)], "E044");
     let block = of("uniform U {\n#include \"members.h\"\n vec4 own;\n} u;", "c = u.own * u.other;");
     only_on_request(&[("a.frag", &block)], "E034");
+    // A block of which every member is seen has no more.
+    let seen = of("uniform U {\n vec4 own;\n} u;", "c = u.own * u.other;");
+    by_default(&[("a.frag", &seen)], "E034");
     // Without an include, nothing is left open.
     let whole = |text: &str| text.lines().filter(|line| !line.starts_with("#include")).collect::<Vec<_>>().join("\n");
     by_default(&[("a.frag", &whole(&inline))], "E001");
