@@ -50,6 +50,10 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic], stated: Around) -> Vec<bo
     }
     let mut doubtful: Vec<bool> =
         found.iter().zip(kept).map(|(error, kept)| !kept || surroundings.rests(error).intersects(open)).collect();
+    // No version of WGSL converts values, and no text around a module gives what it declares another type.
+    if shader.wgsl().is_some() && !found.iter().any(|d| d.code == errors::SYNTAX) {
+        found.iter().zip(&mut doubtful).filter(|(d, _)| errors::is_of_types(d.code)).for_each(|(_, d)| *d = false);
+    }
     // What follows in the grammar may follow from that.
     let is_first = |(error, doubtful): &(&Diagnostic, &bool)| **doubtful && error.code == errors::SYNTAX;
     let first = found.iter().zip(&doubtful).filter(is_first).map(|(error, _)| error.span.start).min();

@@ -467,3 +467,22 @@ fn what_an_include_may_define_or_hold_is_told_on_request() {
     by_default(&[("a.frag", &whole(&inline))], "E001");
     by_default(&[("a.frag", &whole(&block))], "E034");
 }
+
+#[test]
+fn a_value_of_another_type_is_an_error_in_any_piece_of_wgsl() {
+    let piece = |result: &str| format!("fn shade(v: vec3f, i: u32) -> f32 {{\n  return {result};\n}}\n");
+    for (result, code) in [
+        ("dot(v, tint) + f32(any(v < vec3f() || v > vec3f(1)))", "E031"),
+        ("v", "E038"),
+        ("gain * shade(v.xy, 1)", "E022"),
+    ] {
+        by_default(&[("a.wgsl", &piece(result))], code);
+        // What stands in another variant has the types of that one.
+        let varied = format!("#ifdef A\n{}#endif\n", piece(result));
+        assert!(found(&[("a.wgsl", &varied)]).0.is_empty(), "{result}");
+    }
+    for result in ["gain", "v.x * 2", "other(v.xy, i) + gain"] {
+        let told = found(&[("a.wgsl", &piece(result))]).0;
+        assert!(told.is_empty(), "{result}: {told:?}");
+    }
+}
