@@ -314,7 +314,9 @@ impl Checker<'_> {
                 self.assignable(*arg);
             }
         }
-        if let (Some(callee), Some((caller, _))) = (user, &self.current) {
+        // With an argument of unknown type, another function of the name may be meant that is not seen.
+        let known = types.iter().all(|t| !t.is_error());
+        if let (Some(callee), Some((caller, _)), true) = (user, &self.current, known) {
             self.calls.push((*caller, callee, name.span));
         }
         if user.is_none() {
