@@ -33,8 +33,7 @@ pub fn included(wanted: &Wanted, folders: &[PathBuf], within: &[&Path]) -> Resul
     // Hosts that join the texts name files from the folder of all shaders, which is one around them.
     let here = Path::new(".");
     let from = beside.iter().map(|folder| if folder.as_os_str().is_empty() { here } else { folder.as_path() });
-    let rooted = wanted.path.starts_with('/');
-    let around = from.flat_map(|folder| if rooted { below_here(folder) } else { ancestors(folder) }).skip(1);
+    let around = from.flat_map(below_here).skip(1);
     for folder in beside.iter().cloned().chain(folders.iter().cloned()).chain(around) {
         let path = if folder.as_os_str().is_empty() { PathBuf::from(path) } else { folder.join(path) };
         let refusal = || refusal(&path, within).map(|why| Error::new(ErrorKind::InvalidInput, why));
