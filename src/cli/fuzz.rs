@@ -126,7 +126,9 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     let _waiting = Waiting::begin();
     let stated = args.input.domains()?;
     let stage = args.input.stage();
-    let reading = args.input.reading(Some(&args.compose), args.function.first().map(String::as_str));
+    // A text of which no resource has a binding runs with a host that assigns them, or not at all.
+    let compose = ComposeArgs { assign_bindings: true, ..args.compose.clone() };
+    let reading = args.input.reading(Some(&compose), args.function.first().map(String::as_str));
     let mut hosts = Hosts::default();
     let (files, searched) = below::shaders(&args.files, |_| true)?;
     let mut read = Vec::new();

@@ -86,6 +86,8 @@ pub struct Composed {
     pub renamed: Vec<Renamed>,
     /// Names that were taken from a file that is no part of the text by what it says.
     pub guessed: Vec<Guessed>,
+    /// True when the resources got bindings that their author did not write.
+    pub assigned: bool,
     /// Names that neither the text declares nor the language.
     pub undeclared: Vec<Undeclared>,
     /// Worth knowing: imports of what is not there that nothing uses, and files in an early draft of the language.

@@ -27,6 +27,7 @@ pub(crate) fn write(
             notes,
             stated: Vec::new(),
             rest: None,
+            assigned: false,
         };
     };
     let unbound = if options.assign_bindings { unbound(linked) } else { Vec::new() };
@@ -53,7 +54,8 @@ pub(crate) fn write(
         Undeclared { span: Span::new(start, start + len), ..undeclared }
     });
     let undeclared = placed.collect();
-    Composed { file, renamed, guessed, undeclared, notes, stated: Vec::new(), rest: None }
+    let assigned = !unbound.is_empty();
+    Composed { file, renamed, guessed, undeclared, notes, stated: Vec::new(), rest: None, assigned }
 }
 
 fn name_of(linked: &Linked, (module, at): Item) -> Option<&str> {

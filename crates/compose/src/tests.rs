@@ -267,14 +267,17 @@ fn bindings_are_assigned_where_no_resource_has_one() {
     let bound = |text: &str| {
         let mut shelf = Shelf(HashMap::new());
         let options = Options { assign_bindings: true, ..Options::default() };
-        compose(&SourceFile::new("a.wgsl", text), &options, &mut shelf).unwrap().file
+        compose(&SourceFile::new("a.wgsl", text), &options, &mut shelf).unwrap()
     };
+    let assigned = |text: &str| bound(text).assigned;
+    let bound = |text: &str| bound(text).file;
     let file = bound("var<private> p: f32;\nvar t: texture_2d<f32>;\nvar<storage, read> s: array<u32>;\n");
     assert!(file.text().contains("@group(0) @binding(0) var t:") && file.text().contains("@binding(1) var<storage"));
     assert!(file.text().contains("var<private> p") && !file.text().contains("@binding(2)"));
     assert_eq!(file.locate(file.text().find("var t").unwrap()), "a.wgsl:2:1");
     let some = "@group(0) @binding(0) var t: sampler;\nvar s: sampler;\n";
     assert_eq!(bound(some).text(), some);
+    assert!(assigned("var<uniform> a: vec4f;\n") && !assigned(some) && !assigned("const A = 1;\n"));
 }
 
 #[test]

@@ -32,7 +32,8 @@ pub fn composer(folders: &[PathBuf]) -> Composer {
         // Names that are missing whatever is switched on.
         let mut missing: Option<Vec<Diagnostic>> = None;
         let mut whole = |defines| {
-            let options = Options { defines, assume_nothing: true, ..Options::default() };
+            // Hosts assign bindings where no resource of a text has one.
+            let options = Options { defines, assume_nothing: true, assign_bindings: true, ..Options::default() };
             let mut modules = modules.lock().unwrap_or_else(PoisonError::into_inner);
             let mut lacks = match modules.compose(file, &options) {
                 Ok(composed) if composed.undeclared.is_empty() => return Some((composed.file, composed.notes)),

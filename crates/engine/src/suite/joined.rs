@@ -162,7 +162,9 @@ impl Joined {
             let related = note.related.iter().map(|label| at(&label.file, label.span, &label.message));
             std::iter::once(at(&note.file, note.span, &note.message)).chain(related).collect::<Vec<_>>()
         });
-        taken.chain(told).collect()
+        let assigned =
+            composed.assigned.then(|| "no resource has a binding; a host is taken to assign them".to_owned());
+        taken.chain(told).chain(assigned).collect()
     }
 }
 
