@@ -138,6 +138,8 @@ impl<'t> Reader<'t> {
                 Lex::Percent => self.up_to("%}"),
                 Lex::Hash => self.up_to("#}"),
                 Lex::LBrace => self.braces(before),
+                // `{decode}(raw)`: no list and no block is called.
+                Lex::Word if (self.glued(2), self.glued(3)) == (Some(Lex::RBrace), Some(Lex::LParen)) => Some(3),
                 // `float w[{COUNT}];`
                 Lex::Word if matches!(before?, Lex::LBracket | Lex::LParen | Lex::Less | Lex::LessEqual) => {
                     (self.glued(2) == Some(Lex::RBrace) && is_macro(self.slice(1))).then_some(3)
