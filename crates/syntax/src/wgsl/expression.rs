@@ -2,6 +2,7 @@
 //! are missing, the grammar refuses the text, and this says so.
 
 use super::super::ast::{BinaryOp, Callee, ExprId, ExprKind, Ident, Literal, UnaryOp};
+use super::super::types::ScalarType;
 use super::super::{TokenKind, errors};
 use super::nowhere;
 use super::parser::{DEEPEST, Parser, Read, Unread};
@@ -248,10 +249,16 @@ impl Parser<'_> {
 /// The value of a number. Without a suffix it is abstract, which the text says and not the value.
 fn literal(text: &str) -> Option<Literal> {
     // `li`, `lu` and `lf` are what naga has of 64 bits.
-    if let Some((digits, "i" | "u" | "f")) = text.split_once('l') {
-        return literal(digits);
+    if let Some((digits, suffix @ ("i" | "u" | "f"))) = text.split_once('l') {
+        let ty = match suffix {
+            "i" => ScalarType::Int64,
+            "u" => ScalarType::Uint64,
+            _ => return literal(digits),
+        };
+        let value = hexadecimals(digits).map_or_else(|| digits.parse(), |digits| u64::from_str_radix(digits, 16));
+        return value.ok().map(|value| Literal::Sized(value, ty));
     }
-    let hex = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X"));
+    let hex = hexadecimals(text);
     let floating = match hex {
         Some(hex) => hex.contains(['.', 'p', 'P']),
         None => text.contains(['.', 'e', 'E']) || text.ends_with(['f', 'h']),
@@ -280,6 +287,11 @@ fn literal(text: &str) -> Option<Literal> {
         }
         Err(_) => None,
     }
+}
+
+/// A hexadecimal number without its prefix.
+fn hexadecimals(text: &str) -> Option<&str> {
+    text.strip_prefix("0x").or_else(|| text.strip_prefix("0X"))
 }
 
 /// True for a number that says its type.

@@ -4,6 +4,7 @@
 
 use super::super::ast::{BinaryOp, ExprId};
 use super::super::errors;
+use super::super::fold::Const;
 use super::super::symbols::FunctionId;
 use super::super::types::{ScalarType, Type};
 use super::check::Checker;
@@ -64,6 +65,17 @@ impl Checker<'_> {
         &self.out.types[id.index()]
     }
 
+    /// True for a number of which an `i32` has no value, and for what is computed of such numbers: an abstract integer has 64
+    /// bits (WGSL, section 6.2.1).
+    fn is_wide(&self, id: ExprId) -> bool {
+        // The first number that no `u32` has.
+        const BEYOND: f32 = 4_294_967_296.0;
+        let ty = self.type_at(id);
+        let beyond =
+            matches!(self.out.values[id.index()], Some(Const::Float(v)) if v.abs() >= BEYOND && v.fract() == 0.0);
+        self.is_abstract[id.index()] && (*ty == Type::UINT || (*ty == Type::FLOAT && beyond))
+    }
+
     fn misfit(&mut self, code: Code, place: Span, what: Message, label: Message) {
         self.out.misfits.push(Misfit { code, place, what, label });
     }
@@ -71,7 +83,9 @@ impl Checker<'_> {
     /// Looks at the operands of an operator, which have been brought to one component type where that is possible.
     pub(super) fn operands_fit(&mut self, op: BinaryOp, place: Span, left: ExprId, right: ExprId) {
         let (a, b) = (self.type_at(left), self.type_at(right));
-        if !is_known(a) || !is_known(b) || takes(op, a, b, !self.is_abstract[right.index()]) {
+        // Numbers of 64 bits are computed with before any of them has a type of 32.
+        let open = self.is_wide(left) || self.is_wide(right);
+        if open || !is_known(a) || !is_known(b) || takes(op, a, b, !self.is_abstract[right.index()]) {
             return;
         }
         let (a, b, op) = (spelling(a), spelling(b), op.text());
@@ -82,6 +96,9 @@ impl Checker<'_> {
     /// The types of a value and of the place that it goes to, where the one is no other.
     fn differs(&self, wanted: &Type, value: ExprId) -> Option<(String, String)> {
         let given = self.type_at(value);
+        if self.is_wide(value) {
+            return None;
+        }
         (is_known(wanted) && is_known(given) && wanted != given).then(|| (spelling(wanted), spelling(given)))
     }
 

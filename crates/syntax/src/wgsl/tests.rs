@@ -184,6 +184,8 @@ fn numbers_that_are_written_out_take_the_type_of_their_place() {
         "let p = &TABLE; let x = select(0, 1, b); let y: u32 = x_of(u); let z: f32 = unseen;",
         "var x = u; x += 1; x <<= 2; x |= 1u << u; let y = -(1) + i; let z = u % 2 == 0;",
         "var a: array<u32, 4>; a[K] = 1; let y = a[i] & 0xff; for (var k = 0; k < K; k++) { let q = i + k; }",
+        "let x: u32 = ~0xffffffff & (0x100000000 - 1); let y = u ^ 0x9e3779b9; let z = vec2u(u) * 0x9e3779b9;",
+        "var x = i64(5); x += 31li - 1002003004005006li; let y = u64(u) + 0x7fffffffffffffffli;",
         "let x = b & (u > 1); let y = (v < vec3f()) | (v > vec3f(1)); let z = twice(1);",
     ] {
         let found = misfits(body);
