@@ -196,6 +196,8 @@ const KNOWN: &[&str] = &[
     "ARB_vertex_attrib_64bit",
     "ARB_viewport_array",
     "EXT_control_flow_attributes",
+    "EXT_null_initializer",
+    "EXT_shared_memory_block",
     "EXT_shader_16bit_storage",
     "EXT_shader_8bit_storage",
     "EXT_shader_explicit_arithmetic_types",

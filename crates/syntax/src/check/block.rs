@@ -7,7 +7,7 @@ use super::super::ast::{
 };
 use super::super::fold::Const;
 use super::super::interface::{Block, BlockMember, InputPrimitive, Located, OutputPrimitive, StageLayout, Storage};
-use super::super::language::Feature;
+use super::super::language::{Feature, NEVER};
 use super::super::symbols::SymbolKind;
 use super::super::types::{StructField, StructType, Type};
 use super::super::vast::too_large;
@@ -37,10 +37,12 @@ impl Checker<'_> {
                 StorageQualifier::Attribute
                 | StorageQualifier::Varying
                 | StorageQualifier::Const
-                | StorageQualifier::InOut
-                | StorageQualifier::Shared,
+                | StorageQualifier::InOut,
                 _,
             )) => true,
+            Some((StorageQualifier::Shared, _)) => {
+                stage != Stage::Compute || !self.language.since((NEVER, NEVER, &["EXT_shared_memory_block"]))
+            }
             Some((StorageQualifier::In, _)) => stage == Stage::Vertex,
             Some((StorageQualifier::Out, _)) => stage == Stage::Fragment,
             Some((StorageQualifier::Uniform | StorageQualifier::Buffer, _)) => false,
@@ -301,6 +303,7 @@ impl Checker<'_> {
             None => {
                 if let Some(span) = names.qualifiers.span()
                     && names.qualifiers.layouts().next().is_some()
+                    && !self.language.is_open()
                 {
                     self.qualifier(
                         span,

@@ -276,6 +276,11 @@ impl Checker<'_> {
     /// An initialiser list, against the type that it builds.
     fn list(&mut self, name: &Ident, ty: &Type, id: ExprId, items: &[ExprId]) -> Type {
         self.need(Feature::InitializerLists, self.arena.get(id).span);
+        if items.is_empty() && self.language.enabled("EXT_null_initializer") {
+            self.out.types[id.index()] = ty.clone();
+            self.constant[id.index()] = true;
+            return ty.clone();
+        }
         let count = u32::try_from(items.len()).unwrap_or(u32::MAX);
         let (ty, wanted): (Type, Vec<Type>) = match ty {
             Type::Array(element, ArraySize::Unsized) => {

@@ -2,7 +2,8 @@
 //! built-in variables (GLSL 4.60 specification, sections 4.3 to 4.7).
 
 use super::super::ast::{
-    AuxiliaryQualifier, Declaration, Declarator, Ident, Interpolation, QualifierKind, Qualifiers, StorageQualifier,
+    AuxiliaryQualifier, Declaration, Declarator, ExprKind, Ident, Interpolation, QualifierKind, Qualifiers,
+    StorageQualifier,
 };
 use super::super::interface::Storage;
 use super::super::language::Feature;
@@ -321,7 +322,9 @@ impl Checker<'_> {
             return;
         };
         let span = self.arena.get(initializer.value).span;
+        let zero = matches!(&self.arena.get(initializer.value).kind, ExprKind::List(items) if items.is_empty());
         match storage {
+            Storage::Shared if zero && self.language.enabled("EXT_null_initializer") => return,
             Storage::In | Storage::Out | Storage::Buffer | Storage::Shared => {
                 let message = message!("`{name}` cannot have an initialiser", "`{name}` に初期化子は書けません");
                 let label = message!("not allowed here", "ここには書けません");

@@ -47,7 +47,14 @@ impl Parser<'_> {
                 "lowp" => QualifierKind::Precision(Precision::Low),
                 "mediump" => QualifierKind::Precision(Precision::Medium),
                 "highp" => QualifierKind::Precision(Precision::High),
-                "coherent" => QualifierKind::Memory(MemoryQualifier::Coherent),
+                "coherent"
+                | "devicecoherent"
+                | "queuefamilycoherent"
+                | "workgroupcoherent"
+                | "subgroupcoherent"
+                | "shadercallcoherent" => QualifierKind::Memory(MemoryQualifier::Coherent),
+                // Local variables may have it as well, of which it says nothing.
+                "nonprivate" => continue,
                 "volatile" => QualifierKind::Memory(MemoryQualifier::Volatile),
                 "restrict" => QualifierKind::Memory(MemoryQualifier::Restrict),
                 "readonly" => QualifierKind::Memory(MemoryQualifier::ReadOnly),

@@ -18,6 +18,12 @@ const LATE: &[(&str, Since)] = &[
     ("coherent", (420, 310, &["ARB_shader_image_load_store", "ARB_shader_storage_buffer_object"])),
     ("volatile", (420, 310, &["ARB_shader_image_load_store", "ARB_shader_storage_buffer_object"])),
     ("restrict", (420, 310, &["ARB_shader_image_load_store", "ARB_shader_storage_buffer_object"])),
+    ("devicecoherent", SCOPES),
+    ("queuefamilycoherent", SCOPES),
+    ("workgroupcoherent", SCOPES),
+    ("subgroupcoherent", SCOPES),
+    ("shadercallcoherent", SCOPES),
+    ("nonprivate", SCOPES),
     ("readonly", (420, 310, &["ARB_shader_image_load_store", "ARB_shader_storage_buffer_object"])),
     ("writeonly", (420, 310, &["ARB_shader_image_load_store", "ARB_shader_storage_buffer_object"])),
     ("buffer", (430, 310, &["ARB_shader_storage_buffer_object"])),
@@ -53,6 +59,9 @@ const LATE: &[(&str, Since)] = &[
         ),
     ),
 ];
+
+/// Of the qualifiers that say for whom memory is ordered: no version has them.
+const SCOPES: Since = (NEVER, NEVER, &["KHR_memory_scope_semantics"]);
 
 /// The first and the last version.
 type Versions = (u32, u32);
@@ -129,6 +138,12 @@ const QUALIFIERS: &[&str] = &[
     "invariant",
     "precise",
     "coherent",
+    "devicecoherent",
+    "queuefamilycoherent",
+    "workgroupcoherent",
+    "subgroupcoherent",
+    "shadercallcoherent",
+    "nonprivate",
     "volatile",
     "restrict",
     "readonly",

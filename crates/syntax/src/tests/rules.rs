@@ -229,6 +229,31 @@ fn a_local_constant_may_get_its_value_when_the_shader_runs() {
     one(Stage::Vertex, "#version 460\nuniform float u;\nconst float a = u;\nvoid main() {}\n", reported);
 }
 
+/// GL_KHR_memory_scope_semantics, GL_EXT_null_initializer and GL_EXT_shared_memory_block.
+#[test]
+fn extensions_of_kernels_bring_qualifiers_zeros_and_shared_blocks() {
+    let of = |extension: &str, rest: &str| {
+        format!("#version 460\n#extension GL_{extension} : enable\nlayout(local_size_x = 64) in;\n{rest}")
+    };
+    let scopes = "struct P { float x; };\nlayout(binding = 0) workgroupcoherent buffer B { float f[]; };\n\
+                  layout(binding = 1) nonprivate devicecoherent buffer C { P p[]; };\n\
+                  void main() { nonprivate P q = p[0]; f[2] = q.x; }\n";
+    clean(&of("KHR_memory_scope_semantics", scopes), Stage::Compute);
+    let zeros = "struct P { float x; vec3 v[4]; };\nshared float s[4] = {};\nshared P t = { };\n\
+                 void main() { P q = {}; s[0] = q.x + t.x; }\n";
+    clean(&of("EXT_null_initializer", zeros), Stage::Compute);
+    let one_value = "shared float s = 1.0;\nvoid main() { s = 2.0; }\n";
+    one(Stage::Compute, &of("EXT_null_initializer", one_value), "E044 `s` cannot have an initialiser");
+    let block = "shared S { uint a[64]; };\nvoid main() { a[gl_LocalInvocationIndex] = 0u; }\n";
+    clean(&of("EXT_shared_memory_block", block), Stage::Compute);
+    one(Stage::Compute, &of("EXT_control_flow_attributes", block), "E049 this stage has no `shared` block");
+    // Elsewhere they are names.
+    clean(
+        "#version 460\nlayout(local_size_x = 1) in;\nvoid main() { float nonprivate = 1.0; nonprivate += 1.0; }\n",
+        Stage::Compute,
+    );
+}
+
 #[test]
 fn what_an_extension_may_bring_is_no_error_and_a_slip_is_one() {
     let of = |name: &str, body: &str| {
@@ -241,6 +266,10 @@ fn what_an_extension_may_bring_is_no_error_and_a_slip_is_one() {
     let text = of(bary, "c = v[0];").replace("void", "layout(location = 1) pervertexEXT in vec4 v[];\nvoid");
     clean(&text, Stage::Fragment);
     clean(&of("EXT_ray_query", "c = vec4(0.0); if (gl_RayFlagsOpaqueEXT != 0u) c.x = 1.0;"), Stage::Fragment);
+    clean(
+        &of("EXT_ray_flags_primitive_culling", "c = vec4(0.0);").replace("void", "layout(primitive_culling);\nvoid"),
+        Stage::Fragment,
+    );
     // Two letters away from a name that there is.
     one(Stage::Fragment, &of(bary, "c = gl_FragCord;"), "E020 `gl_FragCord` is not declared");
     one(Stage::Fragment, &of(bary, "c = baryCoord;"), "E020 `baryCoord` is not declared");
