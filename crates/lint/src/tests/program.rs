@@ -191,6 +191,15 @@ fn blocks_of_vulkan_are_told_apart_by_their_bindings() {
     assert!(!of("set = 0, binding = 0", "set = 1, binding = 0"));
     assert!(!of("push_constant", "push_constant"));
     assert!(of("set = 0, binding = 0", "set = 0, binding = 0"));
+    // A stage that needs no more may end a block early; what it has lies where the other has it.
+    let ends = |first: &str, members: &str| {
+        let vertex = vertex(&format!("layout({first}) uniform U {{ vec4 v; vec4 w; }} one;"), "");
+        let fragment = fragment(&format!("layout({first}) uniform U {{ {members} }} two;"), "two.v");
+        let files = [vertex, fragment].map(|text| text.replace("410 core", "450"));
+        codes(&[("a.vert", &files[0]), ("a.frag", &files[1])]).contains(&"I009")
+    };
+    assert!(!ends("set = 0, binding = 0", "vec4 v;") && !ends("set = 0, binding = 0", "vec4 v; vec4 w; vec4 x;"));
+    assert!(ends("set = 0, binding = 0", "vec4 v; float w;") && ends("std140, binding = 0", "vec4 v;"));
     // Without a set it may be OpenGL as well, where a linker would tell.
     assert!(!of("std140, binding = 0", "std140, binding = 1"));
     assert!(of("std140, binding = 0", "std140") && of("std140", "std140"));

@@ -38,7 +38,7 @@ fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>)
             let Some((there, first)) = other.filter(|(there, first)| !apart((shader, block), (there, first))) else {
                 continue;
             };
-            let Some(drift) = drift(block, first) else { continue };
+            let Some(drift) = drift(block, first, only_of_vulkan(block) && only_of_vulkan(first)) else { continue };
             let (en, ja) = (drift.to_string(), drift.in_lang(base::diagnostic::Lang::Ja).to_owned());
             let place = there.file.name();
             findings.push(
@@ -79,8 +79,14 @@ fn apart((shader, block): (&ShaderFile, &Block), (there, other): (&ShaderFile, &
     pushed(block) || pushed(other) || (here.is_some() && there.is_some() && here != there)
 }
 
-/// The first difference between two blocks, as seen from `block`.
-fn drift(block: &Block, other: &Block) -> Option<Message> {
+/// True for a block of a text that OpenGL does not take.
+fn only_of_vulkan(block: &Block) -> bool {
+    block.qualifiers.layout_entry("set").is_some()
+}
+
+/// The first difference between two blocks, as seen from `block`. Vulkan does not link them: with `ends_early`, one may stop
+/// before the other.
+fn drift(block: &Block, other: &Block, ends_early: bool) -> Option<Message> {
     for (member, theirs) in block.members.iter().zip(&other.members) {
         let (a, b) = (&member.name.name, &theirs.name.name);
         if a != b {
@@ -95,5 +101,6 @@ fn drift(block: &Block, other: &Block) -> Option<Message> {
         }
     }
     let (a, b) = (block.members.len(), other.members.len());
-    (a != b).then(|| message!("{a} members here and {b} there", "メンバの数がここでは {a}、向こうでは {b} です"))
+    (a != b && !ends_early)
+        .then(|| message!("{a} members here and {b} there", "メンバの数がここでは {a}、向こうでは {b} です"))
 }
