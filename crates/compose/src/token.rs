@@ -9,9 +9,9 @@ use logos::{Lexer, Logos};
 pub(crate) enum Kind {
     #[regex(r"[\p{XID_Start}_]\p{XID_Continue}*")]
     Word,
-    #[regex(r"0[xX][0-9a-fA-F.]+([pP][+-]?[0-9]+)?[iufh]?")]
-    #[regex(r"[0-9]+(\.[0-9]*)?([eE][+-]?[0-9]+)?[iufh]?")]
-    #[regex(r"\.[0-9]+([eE][+-]?[0-9]+)?[fh]?")]
+    #[regex(r"0[xX][0-9a-fA-F.]+([pP][+-]?[0-9]+)?(l?[iuf]|h)?")]
+    #[regex(r"[0-9]+(\.[0-9]*)?([eE][+-]?[0-9]+)?(l?[iuf]|h)?")]
+    #[regex(r"\.[0-9]+([eE][+-]?[0-9]+)?(l?f|h)?")]
     Number,
     #[token("{")]
     OpenBrace,
@@ -147,6 +147,9 @@ mod tests {
         let text = "a::b /* x /* y */ z */ 0x1p3f 1.5.x // c\nÄé_1 .5h->array<f32>";
         let words: Vec<&str> = tokens(text).iter().map(|t| &text[t.span.range()]).collect();
         assert_eq!(words, ["a", "::", "b", "0x1p3f", "1.5", ".", "x", "Äé_1", ".5h", "->", "array", "<", "f32", ">"]);
+        // Naga has numbers of 64 bits.
+        let text = "1lu+31li-2.5lf*0x7lu";
+        assert_eq!(tokens(text).iter().map(|t| &text[t.span.range()]).collect::<Vec<_>>().len(), 7);
     }
 
     #[test]

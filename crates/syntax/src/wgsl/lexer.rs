@@ -177,6 +177,7 @@ mod tests {
     fn numbers_words_and_operators_are_told_apart() {
         assert_eq!(active("a.x>>=1.5e-3f-0x1p4h.5"), ["a", ".", "x", ">>=", "1.5e-3f", "-", "0x1p4h", ".5"]);
         assert_eq!(active("größe /* a /* b */ c */ = 1u; // d"), ["größe", "=", "1u", ";"]);
+        assert_eq!(active("1lu+31li-2.5lf*0x7lu"), ["1lu", "+", "31li", "-", "2.5lf", "*", "0x7lu"]);
         assert_eq!(active("/* open"), [""; 0]);
         assert_eq!(active("a /* b /* c */ d */ e // f\ng"), ["a", "e", "g"]);
         assert_eq!((active("a /* b"), active("a //")), (vec!["a"], vec!["a"]));
