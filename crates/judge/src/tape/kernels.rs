@@ -178,8 +178,8 @@ pub(super) fn rounded_sum(
 
 /// A displacement with an error of its operation's own, in the direction that adds to it.
 #[inline(always)]
-fn farther(moved: f64, own: f64) -> f64 {
-    // The sum has no negative zero.
+pub(super) fn farther(moved: f64, own: f64) -> f64 {
+    // Of −0, the sign says no direction.
     moved + own.copysign(moved + 0.0)
 }
 

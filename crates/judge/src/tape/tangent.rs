@@ -7,7 +7,7 @@
 
 use super::arena::{Arena, Id, NodeKind, Pool, Slots, ZEROS};
 use super::held::HeldNodes;
-use super::kernels::{ClosedNode, MovedNode, Once};
+use super::kernels::{ClosedNode, MovedNode, Once, SeenNode, farther};
 use super::sweep::partials;
 use super::{Column, Model, Tape, lowered};
 use crate::profile::{Allowed, Op};
@@ -125,8 +125,7 @@ impl Tangents {
         let own = arena.local.get(id as usize);
         number::wide(|| {
             for slot in 0..SLOTS {
-                let before = if moving { out[slot] } else { 0.0 };
-                out[slot] = before + own[slot].copysign(before);
+                out[slot] = farther(if moving { out[slot] } else { 0.0 }, own[slot]);
             }
         });
         true
@@ -205,12 +204,12 @@ impl Tape<'_> {
     /// Writes all columns of a new sum or product at once, where it is rounded once, in the order that is written, and nothing
     /// but its displacement is wanted of its local error. False, with nothing written, for others.
     pub(super) fn moved_once(&mut self, id: Id, [a, b]: [Id; 2], op: Op, form: Once) -> bool {
-        let at = id as usize;
-        let tiny = [a, b].map(|id| self.arena.nodes[id as usize].tiny);
-        let Some(closing) = self.model.closing(op, tiny, self.arena.nodes[at].is_kept()) else { return false };
         if !self.wants_displacements_alone(id) {
             return false;
         }
+        let at = id as usize;
+        let tiny = [a, b].map(|id| self.arena.nodes[id as usize].tiny);
+        let Some(closing) = self.model.closing(op, tiny, self.arena.nodes[at].is_kept()) else { return false };
         let Some(tangents) = &mut self.tangents else { return false };
         tangents.reach(id);
         let (values, value) = self.arena.value.split(at);
@@ -221,18 +220,17 @@ impl Tape<'_> {
             (values.get(at), radii.get(at), before.get(at))
         });
         let seen = number::run_wide(MovedNode { form, closing, args, value, radius, moved });
-        self.arena.nodes[at].tiny = seen.tiny;
-        self.note_open(id, if seen.open { not_finite(self.arena.radius.get(at)) } else { Mask::NONE });
+        self.note_seen(id, seen);
         true
     }
 
     /// The same for what completes a function, whose local error is known.
     pub(super) fn closed_moving(&mut self, id: Id) -> bool {
         let Model::Device { .. } = self.model else { return false };
-        let at = id as usize;
         if !self.wants_displacements_alone(id) {
             return false;
         }
+        let at = id as usize;
         let args = match self.arena.nodes[at].kind {
             NodeKind::One { a, partial } => [Some((a, partial)), None],
             NodeKind::Two { a, b, partials: [of_a, of_b] } => [Some((a, of_a)), Some((b, of_b))],
@@ -250,9 +248,14 @@ impl Tape<'_> {
         });
         let (value, local) = (value.get(at), local.get(at));
         let seen = number::run_wide(ClosedNode { flushes, args, value, local, radius, moved });
-        self.arena.nodes[at].tiny = seen.tiny;
-        self.note_open(id, if seen.open { not_finite(self.arena.radius.get(at)) } else { Mask::NONE });
+        self.note_seen(id, seen);
         true
+    }
+
+    /// Notes what was seen of the columns of a node that is complete.
+    fn note_seen(&mut self, id: Id, seen: SeenNode) {
+        self.arena.nodes[id as usize].tiny = seen.tiny;
+        self.note_open(id, if seen.open { not_finite(self.arena.radius.get(id as usize)) } else { Mask::NONE });
     }
 
     /// True where nothing but displacements and radii are wanted of a node, in the order that is written.
