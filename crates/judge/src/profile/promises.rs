@@ -41,6 +41,11 @@ impl Promises {
         Self { measured: for_device(&lane.driver).cloned(), ..Self::of_api(lane.api) }
     }
 
+    /// The promise that allows the most.
+    pub fn lenient(&self) -> &'static Profile {
+        self.conformance.unwrap_or(self.text)
+    }
+
     /// The promises, the strictest first.
     pub fn promises(&self) -> impl Iterator<Item = &'static Profile> {
         [Some(self.text), self.conformance].into_iter().flatten()

@@ -47,7 +47,7 @@ pub use expectations::{Movement, movement, shader_deviation};
 pub use fence::{Fence, Fenced};
 pub use judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees};
 pub use limits::{Limiter, Limits, Meant, Roundoff, Wanted};
-pub use observe::{meaning, meaning_whole, observe, observe_whole};
+pub use observe::{Lenience, Slack, meaning, meaning_whole, observe, observe_again, observe_whole, slack};
 pub use oracle::{JudgeContext, Oracle};
 pub use passes::Passes;
 pub use reference::{Expected, Given, GivenRule, MEANING, Recorded, RecordedRow, Reference, ReferenceError};

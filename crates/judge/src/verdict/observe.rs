@@ -4,7 +4,7 @@ use super::judge::real;
 use super::oracle::JudgeContext;
 use super::parallel::parts;
 use super::passes::Passes;
-use crate::profile::Promises;
+use crate::profile::{Flush, Profile, Promises};
 use crate::tape::{Cell, Model, Tape};
 use base::value::{Batch, Scalar};
 use program::interp::group::Ran;
@@ -12,27 +12,58 @@ use program::interp::{InterpError, Machine, Number, OutputColumn, SLOTS};
 use program::lane::{Actual, Api, Stage};
 use property::Observed;
 
-/// The outputs of every invocation of a batch as numbers, each with how far it may be from what the
-/// author wrote: what the most lenient promise allows, and the rounding of literals; infinite where
-/// nothing is promised. The words are those of the formula's outputs, in
-/// their order, and then all others; nothing else of the formula is used.
-pub fn observe(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) -> Vec<Observed> {
-    let slack = slack(context, batch);
-    (0..batch.invocation_count()).map(|i| observed(context, actual, i, &slack[i])).collect()
-}
+/// How far each word of an output may be off, for every invocation: by vertex, then by word of the record.
+pub type Slack = Vec<Vec<f64>>;
 
-/// How far each word may be off, for every invocation: by vertex, then by word of the record.
-pub(super) type Slack = Vec<Vec<f64>>;
-
-/// The slack of the outputs of a batch; it depends on the program and its inputs alone.
-fn slack(context: &JudgeContext<'_>, batch: &Batch) -> Slack {
-    let count = batch.invocation_count();
+/// How far the outputs of each invocation of a batch may be from what the author wrote: what the most lenient promise
+/// allows, and the rounding of literals; infinite where nothing is promised. It depends on the program, its inputs and the
+/// [`Lenience`] alone, and on no lane.
+pub fn slack(context: &JudgeContext<'_>, batch: &Batch) -> Slack {
     let chunks = parts(
-        count.div_ceil(SLOTS),
+        batch.invocation_count().div_ceil(SLOTS),
         || context.oracle.authored_tape(context.lenient()),
         |machine, chunk| slack_of(machine, batch, chunk * SLOTS),
     );
     chunks.into_iter().flatten().collect()
+}
+
+/// What a [`slack`] rests on beside program and inputs. Equal ones give equal slack.
+#[derive(Clone, Copy, Debug)]
+pub struct Lenience {
+    profile: &'static Profile,
+    flush: Flush,
+}
+
+impl PartialEq for Lenience {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self.profile, other.profile) && self.flush == other.flush
+    }
+}
+
+impl JudgeContext<'_> {
+    /// What the most lenient promise is.
+    pub fn lenience(&self) -> Lenience {
+        let profile = self.promises.lenient();
+        Lenience { profile, flush: profile.flush(self.stage) }
+    }
+}
+
+/// The outputs of every invocation of a batch as numbers, each with how far it may be off: `slack` gives that by the number
+/// of the invocation. The words are those of the formula's outputs, in their order, and then all others; nothing else of
+/// the formula is used.
+pub fn observe<'s>(
+    context: &JudgeContext<'_>,
+    actual: &Actual,
+    slack: impl Fn(usize) -> &'s [f64],
+) -> Vec<Observed> {
+    (0..actual.count()).map(|i| observed(context, actual, i, slack(i))).collect()
+}
+
+/// What was observed, as another [`slack`] of the same inputs has it.
+pub fn observe_again(context: &JudgeContext<'_>, seen: &Observed, slack: &[f64]) -> Observed {
+    let absent = seen.words.iter().all(|word| word.is_nan()) && seen.slack.iter().all(|slack| slack.is_infinite());
+    let slack = if absent { seen.slack.clone() } else { slack_of_words(context, seen.vertices, slack) };
+    Observed { slack, ..seen.clone() }
 }
 
 /// The slack of the invocations from `first` on, as many as the machine takes. It is infinite where
@@ -147,22 +178,23 @@ fn meant(context: &JudgeContext<'_>, machine: &mut Machine<'_, Tape<'_>>, slot: 
 
 /// One invocation, with the slack of its words.
 fn observed(context: &JudgeContext<'_>, actual: &Actual, invocation: usize, slack: &[f64]) -> Observed {
-    let vertices = actual.stored(invocation);
-    let mut observed = Observed { vertices, words: Vec::new(), slack: Vec::new() };
-    let width = context.oracle.executable.outputs().len();
+    let (vertices, absent) = (actual.stored(invocation), actual.is_absent(invocation));
+    let mut words = Vec::new();
     for vertex in 0..vertices {
-        let words = actual.vertex(invocation, vertex);
+        let found = actual.vertex(invocation, vertex);
         for output in &context.reference.seen {
-            for word in output.actual.clone() {
-                if actual.is_absent(invocation) {
-                    observed.words.push(f64::NAN);
-                    observed.slack.push(f64::INFINITY);
-                    continue;
-                }
-                observed.words.push(real(words[word], output.scalar));
-                observed.slack.push(slack.get(vertex * width + word).copied().unwrap_or(f64::INFINITY));
-            }
+            let value = |word: usize| if absent { f64::NAN } else { real(found[word], output.scalar) };
+            words.extend(output.actual.clone().map(value));
         }
     }
-    observed
+    let slack = if absent { vec![f64::INFINITY; words.len()] } else { slack_of_words(context, vertices, slack) };
+    Observed { vertices, words, slack }
+}
+
+/// The slack of the words that relations see, of all words of so many vertices.
+fn slack_of_words(context: &JudgeContext<'_>, vertices: usize, slack: &[f64]) -> Vec<f64> {
+    let width = context.oracle.executable.outputs().len();
+    let seen = || context.reference.seen.iter().flat_map(|output| output.actual.clone());
+    let all = (0..vertices).flat_map(|vertex| seen().map(move |word| vertex * width + word));
+    all.map(|at| slack.get(at).copied().unwrap_or(f64::INFINITY)).collect()
 }

@@ -278,7 +278,7 @@ impl<'a> JudgeContext<'a> {
         let device = |profile, rearranged| Model::Device { profile, stage, rearranged };
         let mut tiers = vec![(Promise::Text, device(*text, false))];
         tiers.extend(conformance.map(|profile| (Promise::Conformance, device(profile, false))));
-        let lenient = conformance.unwrap_or(text);
+        let lenient = self.promises.lenient();
         if lenient.rearrangement {
             tiers.push((Promise::Rearranged, device(lenient, true)));
         }
@@ -302,7 +302,7 @@ impl<'a> JudgeContext<'a> {
 
     /// The most that any promise allows.
     pub(super) fn lenient(&self) -> Model<'a> {
-        let profile = self.promises.conformance.unwrap_or(self.promises.text);
+        let profile = self.promises.lenient();
         Model::Device { profile, stage: self.stage, rearranged: profile.rearrangement }
     }
 }

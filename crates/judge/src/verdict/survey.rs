@@ -77,7 +77,7 @@ pub fn survey(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual, most: 
     let Tally { promise, measured, beyond, worst_beyond } = all;
     Survey {
         invocations: count as u64,
-        promise: promise.read(&promises.conformance.unwrap_or(promises.text).name, record),
+        promise: promise.read(&promises.lenient().name, record),
         measured: promises.measured.as_ref().map(|profile| measured.read(&profile.name, record)),
         beyond,
         worst_beyond,

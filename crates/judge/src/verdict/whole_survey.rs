@@ -55,7 +55,7 @@ impl WholeSurvey {
     /// The figures; `None` where nothing was looked at.
     pub fn read(self, context: &JudgeContext<'_>, record: &Record) -> Option<Survey> {
         let promises = context.promises;
-        let promise = &promises.conformance.unwrap_or(promises.text).name;
+        let promise = &promises.lenient().name;
         let tightest = promises.measured.as_ref().map_or(promise, |profile| &profile.name);
         (!self.by_sample.is_empty()).then(|| Survey {
             invocations: self.by_sample.len() as u64,

@@ -11,6 +11,7 @@ mod part;
 mod position;
 mod prepare;
 mod relate;
+mod related;
 mod repeat;
 mod rounded;
 mod sampling;

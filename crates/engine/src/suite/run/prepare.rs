@@ -133,12 +133,19 @@ pub struct Prepared {
     pub lowered: Option<Oracle>,
     /// Samples at its edges, once they were sought.
     pub(super) edges: super::edges::KeptEdges,
+    /// What is known of the inputs of its relations, once it was asked for.
+    pub(super) known: super::related::KeptKnown,
 }
 
 impl Prepared {
     /// What the program means to a lane.
     pub(super) fn oracle_of(&self, lane: &dyn Lane) -> &Oracle {
         self.lowered.as_ref().filter(|_| embedded::lowers(lane)).unwrap_or(&self.oracle)
+    }
+
+    /// Whether this is the program for lanes on which `mediump` is less than binary32.
+    pub(super) fn is_lowered(&self, oracle: &Oracle) -> bool {
+        self.lowered.as_ref().is_some_and(|lowered| std::ptr::eq(lowered, oracle))
     }
 
     /// The kernel for a stage of a lane; none where the suite is not of that stage.
@@ -238,6 +245,7 @@ pub fn prepare_with(
         oracle,
         lowered,
         edges: super::edges::KeptEdges::default(),
+        known: super::related::KeptKnown::default(),
         relations: all,
         rows,
         suite: suite.clone(),

@@ -8,7 +8,8 @@ use super::{Part, Prepared, Request};
 use crate::activity;
 use base::value::Batch;
 use judge::verdict::diagnosis::{CrossCheck, Diagnosis, Stand};
-use judge::verdict::{JudgeContext, dependences, meaning, observe};
+use super::related::{Inputs, KeptKnown, Known, Wanted};
+use judge::verdict::{JudgeContext, Slack, dependences, meaning, observe, observe_again, slack};
 use lanes::LaneError;
 use property::{Claim, Observed, Own, Relation, Sample, Sampler};
 
@@ -39,9 +40,9 @@ pub fn check(trial: &mut Trial<'_>, request: &Request, many: u64, part: &mut Par
         all.extend(samples(prepared, request.seed, many));
     }
     let samples = all;
-    for relation in &prepared.relations {
-        let relation = &**relation;
-        let outcomes = outcomes(trial, relation, &samples, None)?;
+    let kept = Some(&prepared.known);
+    let all = outcomes(trial, &prepared.relations, &samples, None, kept)?;
+    for (relation, outcomes) in prepared.relations.iter().zip(all) {
         let checked = outcomes.iter().filter(|o| !matches!(o, Outcome::Silent)).count() as u64;
         part.reread += outcomes.iter().filter(|o| matches!(o, Outcome::HoldsAsMeant)).count() as u64;
         part.relations.push((relation.name().to_owned(), checked));
@@ -53,7 +54,7 @@ pub fn check(trial: &mut Trial<'_>, request: &Request, many: u64, part: &mut Par
             .collect();
         // A handful of samples may well miss what a relation is about.
         if checked == 0 && !request.replay_only && many >= QUICK_SAMPLES {
-            part.findings.push(vacuous(relation, samples.len()));
+            part.findings.push(vacuous(&**relation, samples.len()));
         }
         if !failing.is_empty() {
             fail(trial, relation, failing, request, part)?;
@@ -65,58 +66,26 @@ pub fn check(trial: &mut Trial<'_>, request: &Request, many: u64, part: &mut Par
 /// The relations of a suite with the inputs that they want to see, made once for many programs with
 /// the same interface.
 pub struct Probes {
-    probes: Vec<Probe>,
-}
-
-struct Probe {
-    relation: Own<dyn Relation>,
-    inputs: Vec<Vec<Sample>>,
-    /// All of them, one after the other; `None` when there are none.
-    batch: Option<Batch>,
+    relations: Vec<Own<dyn Relation>>,
+    inputs: Inputs,
 }
 
 impl Probes {
     /// The inputs of all relations of a suite.
     pub fn new(prepared: &Prepared, seed: u64) -> Self {
         let samples = samples(prepared, seed, SAMPLES);
-        let probe = |relation: &Own<dyn Relation>| {
-            let (inputs, batch) = related(&**relation, &samples);
-            Probe { relation: relation.clone(), inputs, batch }
-        };
-        Self { probes: prepared.relations.iter().map(probe).collect() }
+        Self { relations: prepared.relations.clone(), inputs: Inputs::of(&prepared.relations, &samples) }
     }
 
     /// The first relation that the meaning of a shader does not keep on some sample, by name.
     pub fn first_broken(&self, context: &JudgeContext<'_>) -> Option<&str> {
-        let broken = |probe: &&Probe| {
-            let relation = &*probe.relation;
-            let observed =
-                probe.batch.as_ref().map_or_else(Vec::new, |batch| read(context, batch, &mut |c| meaning(c, batch)));
-            as_meant(relation, &probe.inputs, observed).iter().any(|o| matches!(o, Outcome::Fails(_)))
+        let meant = meaning(context, &self.inputs.batch()?);
+        let broken = |(k, relation): &(usize, &Own<dyn Relation>)| {
+            let outcomes = of_meaning(context, &***relation, &self.inputs.wanted[*k], &self.inputs, &meant);
+            outcomes.iter().any(|outcome| matches!(outcome, Outcome::Fails(_)))
         };
-        self.probes.iter().find(broken).map(|probe| probe.relation.name())
+        self.relations.iter().enumerate().find(broken).map(|(_, relation)| relation.name())
     }
-}
-
-/// What a relation wants to see for each sample, and all of it as a batch.
-fn related(relation: &dyn Relation, samples: &[Sample]) -> (Vec<Vec<Sample>>, Option<Batch>) {
-    let inputs: Vec<Vec<Sample>> = samples.iter().map(|s| relation.inputs(s)).collect();
-    let flat: Vec<Sample> = inputs.iter().flatten().cloned().collect();
-    let batch = (!flat.is_empty()).then(|| Sample::batch(&flat));
-    (inputs, batch)
-}
-
-/// What a relation says of each sample, from the outputs of its inputs one after the other.
-fn verdicts<'i>(
-    relation: &'i dyn Relation,
-    inputs: &'i [Vec<Sample>],
-    observed: Vec<Observed>,
-) -> impl Iterator<Item = Outcome> + 'i {
-    let mut rest = observed.into_iter();
-    inputs.iter().map(move |inputs| {
-        let outputs: Vec<Observed> = rest.by_ref().take(inputs.len()).collect();
-        judge(relation, inputs, &outputs)
-    })
 }
 
 /// Samples of the suite's plan, whole strands where the suite has them.
@@ -141,67 +110,104 @@ pub(super) enum Outcome {
     Fails(Claim),
 }
 
-/// What a relation says of samples: of what the shader means, and where that keeps it or says nothing,
-/// of the lane's values, which stand among other invocations where that is asked for.
+/// What each relation says of samples: of what the shader means, and where that keeps it or says nothing, of the lane's
+/// values, which stand among other invocations where that is asked for.
 fn outcomes(
     trial: &mut Trial<'_>,
-    relation: &dyn Relation,
+    relations: &[Own<dyn Relation>],
+    samples: &[Sample],
+    among: Option<Among>,
+    kept: Option<&KeptKnown>,
+) -> Result<Vec<Vec<Outcome>>, LaneError> {
+    let inputs = Inputs::of(relations, samples);
+    let Some(batch) = inputs.batch() else {
+        return Ok(relations.iter().map(|_| samples.iter().map(|_| Outcome::Silent).collect()).collect());
+    };
+    let context = trial.context();
+    let known = kept.map_or_else(
+        || Known::of(&context, &batch),
+        |kept| kept.of(&context, trial.prepared.is_lowered(context.oracle), &inputs, &batch),
+    );
+    let mut all = Vec::with_capacity(relations.len());
+    for (relation, wanted) in relations.iter().zip(&inputs.wanted) {
+        let meant = of_meaning(&context, &**relation, wanted, &inputs, &known.meant);
+        let seen = of_lane(trial, &**relation, (wanted, &inputs), &known.slack, among)?;
+        let both = meant.into_iter().zip(seen).map(|both| match both {
+            (Outcome::Fails(claim), _) | (_, Outcome::Fails(claim)) => Outcome::Fails(claim),
+            (Outcome::HoldsAsMeant, _) | (_, Outcome::HoldsAsMeant) => Outcome::HoldsAsMeant,
+            (Outcome::Holds, _) | (_, Outcome::Holds) => Outcome::Holds,
+            (Outcome::Silent, Outcome::Silent) => Outcome::Silent,
+        });
+        let mut outcomes: Vec<Outcome> = both.collect();
+        silence_undefined(trial.prepared, wanted, &inputs, &mut outcomes);
+        all.push(outcomes);
+    }
+    Ok(all)
+}
+
+/// [`outcomes`] of one relation.
+fn outcomes_of(
+    trial: &mut Trial<'_>,
+    relation: &Own<dyn Relation>,
     samples: &[Sample],
     among: Option<Among>,
 ) -> Result<Vec<Outcome>, LaneError> {
-    let (inputs, batch) = related(relation, samples);
-    let Some(batch) = batch else { return Ok(samples.iter().map(|_| Outcome::Silent).collect()) };
-    let context = trial.context();
-    let meant = as_meant(relation, &inputs, read(&context, &batch, &mut |context| meaning(context, &batch)));
-    let seen = observed(trial, &inputs, among)?;
-    let seen = as_meant(relation, &inputs, seen);
-    let both = meant.into_iter().zip(seen).map(|both| match both {
-        (Outcome::Fails(claim), _) | (_, Outcome::Fails(claim)) => Outcome::Fails(claim),
-        (Outcome::HoldsAsMeant, _) | (_, Outcome::HoldsAsMeant) => Outcome::HoldsAsMeant,
-        (Outcome::Holds, _) | (_, Outcome::Holds) => Outcome::Holds,
-        (Outcome::Silent, Outcome::Silent) => Outcome::Silent,
-    });
-    let mut outcomes: Vec<Outcome> = both.collect();
-    silence_undefined(trial.prepared, &inputs, &mut outcomes);
-    Ok(outcomes)
+    let mut outcomes = outcomes(trial, std::slice::from_ref(relation), samples, among, None)?;
+    Ok(outcomes.remove(0))
 }
 
 /// Undefined values are a finding of their own, and need not be related.
-fn silence_undefined(prepared: &Prepared, inputs: &[Vec<Sample>], outcomes: &mut [Outcome]) {
-    let failing = || outcomes.iter().zip(inputs).filter(|(outcome, _)| matches!(outcome, Outcome::Fails(_)));
-    let flat: Vec<Sample> = failing().flat_map(|(_, inputs)| inputs.iter().cloned()).collect();
+fn silence_undefined(prepared: &Prepared, wanted: &[Wanted], inputs: &Inputs, outcomes: &mut [Outcome]) {
+    let failing = || outcomes.iter().zip(wanted).filter(|(outcome, _)| matches!(outcome, Outcome::Fails(_)));
+    let flat: Vec<Sample> = failing().flat_map(|(_, wanted)| inputs.samples(wanted)).collect();
     if flat.is_empty() {
         return;
     }
     let mut found = dependences(&prepared.oracle, &Sample::batch(&flat)).into_iter();
-    for (outcome, inputs) in outcomes.iter_mut().zip(inputs) {
+    for (outcome, wanted) in outcomes.iter_mut().zip(wanted) {
         let undefined = |one: Option<_>| one.flatten().is_some();
-        if matches!(outcome, Outcome::Fails(_)) && inputs.iter().fold(false, |any, _| undefined(found.next()) | any) {
+        if matches!(outcome, Outcome::Fails(_)) && wanted.iter().fold(false, |any, _| undefined(found.next()) | any) {
             *outcome = Outcome::Silent;
         }
     }
 }
 
-/// What a lane gives for the inputs of a relation, one after the other, among other invocations: for the shader as it is
-/// written, and then as each reading of its literals has it.
-fn observed(
+/// What a relation says of the meaning of a shader, which is `meant` for each of the inputs.
+fn of_meaning(
+    context: &JudgeContext<'_>,
+    relation: &dyn Relation,
+    wanted: &[Wanted],
+    inputs: &Inputs,
+    meant: &[Observed],
+) -> Vec<Outcome> {
+    let meant: Vec<Observed> = wanted.iter().flatten().map(|&input| meant[input].clone()).collect();
+    as_meant(context, relation, (wanted, inputs), &meant, &mut |reading, batch, _| meaning(reading, batch))
+}
+
+/// What a relation says of the values that a lane gives for its inputs, one after the other, among other invocations.
+/// `slack` is how far each of the inputs may be off.
+fn of_lane(
     trial: &mut Trial<'_>,
-    inputs: &[Vec<Sample>],
+    relation: &dyn Relation,
+    (wanted, inputs): (&[Wanted], &Inputs),
+    known: &Slack,
     among: Option<Among>,
-) -> Result<Vec<Vec<Observed>>, LaneError> {
+) -> Result<Vec<Outcome>, LaneError> {
     let context = trial.context();
-    let flat: Vec<Sample> = inputs.iter().flatten().cloned().collect();
-    let mut seen: Vec<Vec<Observed>> = vec![Vec::with_capacity(flat.len()); 1 + context.readings().len()];
+    let order: Wanted = wanted.iter().flatten().copied().collect();
+    let Some(&first) = order.first() else { return Ok(wanted.iter().map(|_| Outcome::Silent).collect()) };
+    let flat: Vec<Sample> = inputs.samples(&order).collect();
     let (all, before) = among.map_or_else(|| (flat.clone(), 0), |among| trial.among(&flat, among));
-    trial.run_samples(&all, |_, batch, actual| {
-        let some = read(&context, batch, &mut |context| observe(context, batch, actual));
-        seen.iter_mut().zip(some).for_each(|(all, some)| all.extend(some));
+    let input_at = |place: usize| place.checked_sub(before).and_then(|at| order.get(at)).copied().unwrap_or(first);
+    let mut seen = Vec::with_capacity(all.len());
+    trial.run_samples(&all, |at, _, actual| {
+        seen.extend(observe(&context, actual, |invocation| known[input_at(at + invocation)].as_slice()));
     })?;
-    for seen in &mut seen {
-        seen.drain(..before.min(seen.len()));
-        seen.truncate(flat.len());
-    }
-    Ok(seen)
+    let seen = &seen[before..before + flat.len()];
+    Ok(as_meant(&context, relation, (wanted, inputs), seen, &mut |reading, batch, places| {
+        let slack = slack(reading, batch);
+        places.iter().zip(&slack).map(|(&place, slack)| observe_again(reading, &seen[place], slack)).collect()
+    }))
 }
 
 /// What the values of a lane for a sample say of a relation, wherever in a batch they stand.
@@ -213,11 +219,13 @@ pub(super) fn stand_of(trial: &mut Trial<'_>, name: &str, sample: &Sample) -> Re
     let Some(relation) = prepared.relations.iter().find(|relation| relation.name() == name) else {
         return Ok(Stand::Open);
     };
-    let inputs = [relation.inputs(sample)];
+    let inputs = Inputs::of(std::slice::from_ref(relation), std::slice::from_ref(sample));
+    let Some(batch) = inputs.batch() else { return Ok(Stand::Open) };
+    let known = slack(&trial.context(), &batch);
     let mut stand = Stand::Open;
     for among in AMONG {
-        let seen = observed(trial, &inputs, Some(among))?;
-        match as_meant(&**relation, &inputs, seen).first() {
+        let seen = of_lane(trial, &**relation, (&inputs.wanted[0], &inputs), &known, Some(among))?;
+        match seen.first() {
             Some(Outcome::Holds | Outcome::HoldsAsMeant) => return Ok(Stand::Right),
             Some(Outcome::Fails(_)) => stand = Stand::Wrong,
             Some(Outcome::Silent) | None => {}
@@ -226,42 +234,60 @@ pub(super) fn stand_of(trial: &mut Trial<'_>, name: &str, sample: &Sample) -> Re
     Ok(stand)
 }
 
-/// What a relation gets to see of the shader as it is written, and then as each reading of its literals has it.
-fn read(
-    context: &JudgeContext<'_>,
-    batch: &Batch,
-    see: &mut dyn FnMut(&JudgeContext<'_>) -> Vec<Observed>,
-) -> Vec<Vec<Observed>> {
-    let mut all = vec![see(context)];
-    for reading in context.readings() {
-        let mut seen = see(&reading);
-        // What moves an output too far is no reading of it.
-        for (k, near) in context.may_read(&reading, batch).into_iter().enumerate() {
-            if !near {
-                seen[k] = all[0][k].clone();
-            }
-        }
-        all.push(seen);
-    }
-    all
+/// What a relation says of each sample, from the outputs of its inputs one after the other.
+fn verdicts(relation: &dyn Relation, wanted: &[Wanted], inputs: &Inputs, outputs: &[Observed]) -> Vec<Outcome> {
+    let mut rest = outputs;
+    let one = |wanted: &Wanted| {
+        let (outputs, behind) = rest.split_at(wanted.len());
+        rest = behind;
+        judge(relation, &inputs.samples(wanted).collect::<Vec<_>>(), outputs)
+    };
+    wanted.iter().map(one).collect()
 }
 
-/// What a relation says of each sample as it is written, and where it fails, by the first reading by which it does not.
-fn as_meant(relation: &dyn Relation, inputs: &[Vec<Sample>], observed: Vec<Vec<Observed>>) -> Vec<Outcome> {
-    let mut all: Vec<Outcome> = Vec::new();
-    for seen in observed {
-        let outcomes = verdicts(relation, inputs, seen);
-        if all.is_empty() {
-            all = outcomes.collect();
-            continue;
+/// The outputs of a batch by a reading; the places are those of its invocations among all outputs.
+type Read<'r> = dyn FnMut(&JudgeContext<'_>, &Batch, &[usize]) -> Vec<Observed> + 'r;
+
+/// What a relation says of each sample as it is written, and where it fails, by the first reading of the program's literals
+/// by which it does not.
+fn as_meant(
+    context: &JudgeContext<'_>,
+    relation: &dyn Relation,
+    (wanted, inputs): (&[Wanted], &Inputs),
+    written: &[Observed],
+    see: &mut Read<'_>,
+) -> Vec<Outcome> {
+    let mut outcomes = verdicts(relation, wanted, inputs, written);
+    for reading in context.readings() {
+        let (mut failing, mut places, mut at) = (Vec::new(), Vec::new(), 0);
+        for (sample, wanted) in wanted.iter().enumerate() {
+            if matches!(outcomes[sample], Outcome::Fails(_)) {
+                failing.push(sample);
+                places.extend(at..at + wanted.len());
+            }
+            at += wanted.len();
         }
-        for (outcome, read) in all.iter_mut().zip(outcomes) {
-            if matches!(outcome, Outcome::Fails(_)) && !matches!(read, Outcome::Fails(_)) {
-                *outcome = if matches!(read, Outcome::Holds) { Outcome::HoldsAsMeant } else { read };
+        if failing.is_empty() {
+            break;
+        }
+        let again: Vec<Wanted> = failing.iter().map(|&sample| wanted[sample].clone()).collect();
+        let batch = Sample::batch(&again.iter().flat_map(|wanted| inputs.samples(wanted)).collect::<Vec<_>>());
+        let mut read = see(&reading, &batch, &places);
+        // What moves an output too far is no reading of it.
+        for (k, near) in context.may_read(&reading, &batch).into_iter().enumerate() {
+            if !near {
+                read[k] = written[places[k]].clone();
+            }
+        }
+        for (sample, outcome) in failing.into_iter().zip(verdicts(relation, &again, inputs, &read)) {
+            match outcome {
+                Outcome::Fails(_) => {}
+                Outcome::Holds => outcomes[sample] = Outcome::HoldsAsMeant,
+                outcome => outcomes[sample] = outcome,
             }
         }
     }
-    all
+    outcomes
 }
 
 /// What a relation says of the outputs of its inputs.
@@ -327,7 +353,7 @@ fn by_place(
 
 fn fail(
     trial: &mut Trial<'_>,
-    relation: &dyn Relation,
+    relation: &Own<dyn Relation>,
     failing: Vec<Sample>,
     request: &Request,
     part: &mut Part,
@@ -338,7 +364,7 @@ fn fail(
     // What holds in another place is no matter of the inputs.
     let mut moved: Vec<Sample> = failing.into_iter().take(LOOKED).collect();
     for among in AMONG {
-        let again = outcomes(trial, relation, &moved, Some(among))?;
+        let again = outcomes_of(trial, relation, &moved, Some(among))?;
         let (steady, others): (Vec<_>, Vec<_>) =
             moved.into_iter().zip(again).partition(|(_, outcome)| matches!(outcome, Outcome::Fails(_)));
         first.extend(others.into_iter().map(|(sample, _)| sample));
@@ -348,19 +374,19 @@ fn fail(
     let as_given = request.replay_only || moved.is_empty();
     let first: Vec<Sample> = moved.into_iter().chain(first).take(SHRUNK).collect();
     let mut oracle = |samples: &[Sample]| -> Result<Vec<bool>, LaneError> {
-        let outcomes = outcomes(trial, relation, samples, None)?;
+        let outcomes = outcomes_of(trial, relation, samples, None)?;
         Ok(outcomes.iter().map(|o| matches!(o, Outcome::Fails(_))).collect())
     };
     let shrunk = if as_given { finding::as_given(first) } else { activity::shrink(first, &*plan, &mut oracle)? };
     let Some(simplest) = shrunk.into_iter().next() else { return Ok(()) };
     let one = std::slice::from_ref(&simplest.sample);
-    let mut outcome = outcomes(trial, relation, one, Some(AMONG[0]))?.into_iter().next();
+    let mut outcome = outcomes_of(trial, relation, one, Some(AMONG[0]))?.into_iter().next();
     if matches!(outcome, Some(Outcome::Fails(_))) {
-        outcome = outcomes(trial, relation, one, Some(AMONG[1]))?.into_iter().next();
+        outcome = outcomes_of(trial, relation, one, Some(AMONG[1]))?.into_iter().next();
     }
     let Some(Outcome::Fails(claim)) = outcome else {
         // The same inputs gave another answer: nothing that was found may get lost over it.
-        if let Some(tied) = by_place(trial, relation, request, &simplest.sample)? {
+        if let Some(tied) = by_place(trial, &**relation, request, &simplest.sample)? {
             part.findings.push(finding::tied(request, part, &simplest.sample, tied, trial.prepared));
             return Ok(());
         }
@@ -376,9 +402,9 @@ fn fail(
         });
         return Ok(());
     };
-    let inputs = [relation.inputs(&simplest.sample)];
-    let meant = meaning(&trial.context(), &Sample::batch(&inputs[0]));
-    let of_the_shader = matches!(verdicts(relation, &inputs, meant).next(), Some(Outcome::Fails(_)));
+    let inputs = relation.inputs(&simplest.sample);
+    let meant = meaning(&trial.context(), &Sample::batch(&inputs));
+    let of_the_shader = matches!(judge(&**relation, &inputs, &meant), Outcome::Fails(_));
     let diagnosis = Diagnosis {
         relation: Some(relation.name().to_owned()),
         cross_check: of_the_shader.then(CrossCheck::of_the_shader),
@@ -386,7 +412,7 @@ fn fail(
     };
     part.findings.push(Finding {
         kind: FindingKind::Relation,
-        message: broken(relation, &claim),
+        message: broken(&**relation, &claim),
         count,
         reproduce: Some(finding::reproduce(request, part.on(), &simplest.sample)),
         case: Some(finding::Case { diagnosis, ..finding::case(&trial.prepared.program, &simplest, None) }),

@@ -36,7 +36,7 @@ pub struct Suspected<'a> {
 /// # Errors
 /// [`LaneError`] when the lane fails.
 pub fn lane(context: &JudgeContext<'_>, program: &Program, suspected: &Suspected<'_>) -> Result<Diagnosis, LaneError> {
-    let profile = context.promises.conformance.unwrap_or(context.promises.text);
+    let profile = context.promises.lenient();
     let written = written(context, program, suspected.batch, suspected.deviation);
     let mut diagnosis = Diagnosis { written, ..Diagnosis::default() };
     let mut built_in = None;
