@@ -29,7 +29,7 @@ fn told(report: &Value) -> Vec<(String, String, u64)> {
 }
 
 /// The wrong twins: the fault that each has, whether it fails the run, and a line that is named.
-const WRONG: [(&str, &str, bool, u64); 50] = [
+const WRONG: [(&str, &str, bool, u64); 52] = [
     // A barrier that is missing behind a step of the sum.
     ("sum.wgsl", "race", true, 21),
     // Elements behind the last one are not filled.
@@ -129,6 +129,10 @@ const WRONG: [(&str, &str, bool, u64); 50] = [
     ("append.wgsl", "order", false, 13),
     // Atomic functions of WGSL order nothing else between workgroups.
     ("relaxed.wgsl", "race", false, 20),
+    // The softmax of an empty sequence.
+    ("attention.wgsl", "no_value", false, 31),
+    // No barrier between the steps, behind numbers that are packed into one word.
+    ("tiled.comp", "race", true, 19),
 ];
 
 #[test]
@@ -222,6 +226,27 @@ fn structures_beside_atomics_are_stored_and_loaded() {
     let report = run_in(folder.path(), "fuzz states.comp --lane embedded --samples 16 --format json").expect(0).json();
     let function = &report["files"][0]["functions"][0];
     assert!(function["dispatches"].as_u64().unwrap() > 2 && function["not_run"].is_null(), "{function}");
+}
+
+/// A guard that no chosen number passes keeps all invocations away: that is no clean bill.
+#[test]
+fn a_kernel_that_stores_nothing_is_told() {
+    let kernel = |least: u32| {
+        format!(
+            "@group(0) @binding(0) var<storage, read_write> out: array<u32>;\n\
+             @group(0) @binding(1) var<uniform> budget: u32;\n\n@compute @workgroup_size(64)\n\
+             fn main(@builtin(global_invocation_id) id: vec3<u32>) {{\n  if (budget < {least}u) {{ return; }}\n  \
+             if (id.x < arrayLength(&out)) {{ out[id.x] = id.x; }}\n}}\n"
+        )
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let findings = |least| {
+        fs::write(folder.path().join("a.wgsl"), kernel(least)).unwrap();
+        let report = run_in(folder.path(), "fuzz a.wgsl --lane embedded --samples 16 --format json").expect(0).json();
+        told(&report)
+    };
+    assert_eq!(findings(1000), [("not_written".to_owned(), "warning".to_owned(), 7)]);
+    assert_eq!(findings(1), []);
 }
 
 /// `sharpen` reads beyond the border of an image, and `halve` has more invocations than texels.

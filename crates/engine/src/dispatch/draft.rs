@@ -6,7 +6,8 @@ use program::interp::group::{Incident, Space, Wrong};
 use program::{Dispatch, HostBuffer, ProgramError};
 
 use super::Dispatched;
-use super::host::{Length, Measure, Setting, is_tag, setting};
+use super::host::{Length, Measure};
+use super::setting::{Setting, is_tag, setting};
 use crate::guess::{self, GUESSED, Role, Uses};
 use base::value::{Field, Scalar};
 use property::pattern;

@@ -3,19 +3,23 @@
 use std::sync::Arc;
 
 use program::Written;
-use program::interp::group::{Buffer, Dispatch, InMemory, Leaf, MemoryShape, Outcome, Space, Turns, WIDTH, Wrong};
+use program::interp::group::{
+    Bits, Buffer, Dispatch, InMemory, Leaf, MemoryShape, Outcome, Space, Turns, WIDTH, Wrong,
+};
 use program::interp::{Column, Executable, Number, Plain};
 
+use super::setting::{Setting, is_tag, setting};
 use super::{Dispatched, images};
 use base::value::Scalar;
 use property::Stream;
-use syntax::words::words;
 
 /// Rounds of loops of one invocation, and of a whole dispatch.
 const FUEL: u32 = 1 << 14;
 const WORK: u64 = 1 << 22;
 /// Words of a buffer while its length is sought.
 const ROOM: usize = 1 << 16;
+/// Numbers of a host that are tried as 0.
+const MOST_EMPTIED: usize = 16;
 /// How many times more workgroups than elements fill are tried.
 const WIDE: u32 = 16;
 
@@ -28,6 +32,8 @@ pub(super) struct Scenario {
     pub buffers: Vec<Buffer>,
     /// Whole numbers that were chosen for uniforms, with their names.
     pub settings: Vec<(String, u32)>,
+    /// Where each of them lies: the memory and the word.
+    pub places: Vec<(usize, u32)>,
     /// Invocations that have no element: they fill up the workgroups.
     pub surplus: u64,
     /// Invocations of a subgroup.
@@ -36,6 +42,8 @@ pub(super) struct Scenario {
     pub turns: Turns,
     /// What real numbers buffers hold before.
     pub contents: Contents,
+    /// The one of `settings` that is 0 for once.
+    pub empty: Option<usize>,
 }
 
 /// Real numbers that a host puts into storage buffers; those of uniform buffers are random.
@@ -57,6 +65,7 @@ impl Contents {
         match variant {
             super::run::EQUAL => Self::Equal,
             super::run::ZERO => Self::Zero,
+            super::run::EMPTY => Self::Unit,
             n if n.is_multiple_of(2) => Self::Signed,
             _ => Self::Unit,
         }
@@ -286,6 +295,12 @@ impl Dispatched {
         found
     }
 
+    /// Whether anything was stored to what is left behind the dispatch.
+    pub(super) fn stores_in(&self, outcome: &Outcome) -> bool {
+        let memories = self.executable.memories().iter().zip(&outcome.changed);
+        memories.into_iter().any(|(shape, changed)| *changed && matches!(shape.space, Space::Storage { .. }))
+    }
+
     /// Of each array, the elements up to the last one that was touched; `None` where an index was outside.
     pub(super) fn reached(&self, outcome: &Outcome) -> Vec<Option<u64>> {
         let one = |(k, shape): (usize, &MemoryShape)| {
@@ -310,7 +325,7 @@ impl Dispatched {
         smaller: Option<usize>,
     ) -> Scenario {
         let groups = self.groups(items);
-        let mut settings = Vec::new();
+        let (mut settings, mut places) = (Vec::new(), Vec::new());
         let mut buffers = Vec::new();
         let key = property::mix(0x5eed + variant, items.iter().fold(0, |key, &n| property::mix(key, u64::from(n))));
         for (k, shape) in self.executable.memories().iter().enumerate() {
@@ -333,10 +348,11 @@ impl Dispatched {
                     if shape.space == Space::Uniform && !self.uses.reads(k as u32, leaf.offset) {
                         continue;
                     }
-                    let chosen = host.fixed(shape, leaf, &mut stream);
+                    let chosen = host.fixed(shape, (leaf, self.uses.packed(k as u32, leaf.offset)), &mut stream);
                     words[leaf.offset as usize] = chosen;
                     if shape.space == Space::Uniform && leaf.scalar != Scalar::F32 {
                         settings.push((named(shape, leaf), chosen));
+                        places.push((k, leaf.offset));
                     }
                 }
                 if let Some(array) = &shape.array {
@@ -361,7 +377,35 @@ impl Dispatched {
         let product = |all: [u32; 3]| -> u64 { all.iter().map(|&n| u64::from(n)).product() };
         let surplus = (product(groups) * product(self.size)).saturating_sub(product(items));
         let (executable, contents) = (self.executable_for(items), Contents::of(variant));
-        Scenario { groups, executable, buffers, settings, surplus, subgroup: WIDTH, turns: Turns::default(), contents }
+        Scenario {
+            groups,
+            executable,
+            buffers,
+            settings,
+            places,
+            surplus,
+            subgroup: WIDTH,
+            turns: Turns::default(),
+            contents,
+            empty: None,
+        }
+    }
+
+    /// A scenario with each of its whole numbers at 0 in turn. What the program takes for a real number as well, such as what
+    /// a mean divides by, is none of them: who writes that knows of it.
+    pub(super) fn emptied<'s>(&'s self, whole: &'s Scenario) -> impl Iterator<Item = Scenario> + 's {
+        let kept = |&(k, word): &(usize, u32)| {
+            let memory = k as u32;
+            self.uses.packed(memory, word).is_empty() && !self.uses.is_real_too(memory, word)
+        };
+        let one = |(n, &(k, word)): (usize, &(usize, u32))| {
+            let mut scenario = Scenario { empty: Some(n), ..whole.clone() };
+            scenario.buffers[k].words[word as usize] = 0;
+            scenario.settings[n].1 = 0;
+            scenario
+        };
+        let all = whole.places.iter().enumerate();
+        all.filter(move |(n, place)| whole.settings[*n].1 != 0 && kept(place)).take(MOST_EMPTIED).map(one)
     }
 
     /// Runs a scenario. Loads outside of an array give the bits of `outside`.
@@ -403,79 +447,6 @@ fn named(shape: &MemoryShape, leaf: &Leaf) -> String {
     name
 }
 
-/// What a whole number of a uniform is taken for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Setting {
-    /// Where something begins: 0.
-    Zero,
-    /// The number of workgroups.
-    Groups,
-    /// Elements along an axis.
-    Along(usize),
-    /// All elements.
-    All,
-    /// A step, a flag, a level: the name does not say.
-    Open,
-}
-
-/// What a whole number of a uniform is taken for, by its name; `many` where elements lie along several axes.
-pub(super) fn setting(name: &str, component: Option<u32>, many: bool) -> Setting {
-    let name = name.rsplit('.').next().unwrap_or(name).trim_end_matches("[]");
-    let words = words(name);
-    let is = |any: &[&str]| words.iter().any(|word| any.contains(&word.as_str()));
-    if let Some(component) = component {
-        let begins = is(&["offset", "start", "base", "first", "origin"]);
-        return if begins { Setting::Zero } else { Setting::Along(component as usize) };
-    }
-    // A number of elements stays one where its name says from where they are counted as well.
-    let begins = is(&["offset", "start", "base", "first", "begin", "origin"]);
-    if begins && !words.last().is_some_and(|last| COUNTS.contains(&last.as_str())) {
-        Setting::Zero
-    } else if is(&["groups", "workgroups", "blocks", "partitions", "tiles"]) {
-        Setting::Groups
-    } else if is(&["width", "w", "cols", "columns", "nx", "x"]) {
-        Setting::Along(0)
-    } else if is(&["height", "h", "rows", "ny", "y"]) {
-        Setting::Along(1)
-    } else if is(&["depth", "layers", "nz", "z"]) {
-        Setting::Along(2)
-    } else if is(&["stride", "pitch"]) || (many && is(&["size", "dim", "dims", "side", "edge", "n", "m", "k"])) {
-        Setting::Along(0)
-    } else if is(&COUNTS) {
-        Setting::All
-    } else {
-        Setting::Open
-    }
-}
-
-/// Words for a number of elements.
-const COUNTS: [&str; 18] = [
-    "n",
-    "num",
-    "count",
-    "size",
-    "len",
-    "length",
-    "total",
-    "elements",
-    "items",
-    "limit",
-    "number",
-    "end",
-    "cnt",
-    "dim",
-    "side",
-    "particles",
-    "vertices",
-    "max",
-];
-
-/// True for the name of a whole number that tells kinds apart.
-pub(super) fn is_tag(name: &str) -> bool {
-    let tags = ["flags", "flag", "mask", "level", "kind", "type", "tag"];
-    words(name).iter().any(|word| tags.contains(&word.as_str()))
-}
-
 /// The choices of a host for one dispatch.
 struct Host {
     items: [u32; 3],
@@ -485,7 +456,7 @@ struct Host {
 
 impl Host {
     /// A number that stands by itself in a buffer.
-    fn fixed(&self, shape: &MemoryShape, leaf: &Leaf, stream: &mut Stream) -> u32 {
+    fn fixed(&self, shape: &MemoryShape, (leaf, packed): (&Leaf, &[Bits]), stream: &mut Stream) -> u32 {
         let name = if leaf.name.is_empty() { &shape.name } else { &*leaf.name };
         match leaf.scalar {
             Scalar::F32 => self.element(name, Scalar::F32, shape.space, stream),
@@ -495,9 +466,31 @@ impl Host {
                 if matches!(shape.space, Space::Storage { writes: true }) {
                     return 0;
                 }
-                self.count(name, leaf.component)
+                if packed.is_empty() { self.count(name, leaf.component) } else { self.packed(name, packed) }
             }
         }
+    }
+
+    /// Whole numbers in the bits of one word of a uniform. Elements lie along as many axes as there are numbers; of others,
+    /// none is 0 at first, since some are divided by.
+    fn packed(&self, name: &str, packed: &[Bits]) -> u32 {
+        let extents = matches!(setting(name, None, true), Setting::Along(_) | Setting::All);
+        let number = |(k, bits): (usize, &Bits)| {
+            let most = 1_u32.checked_shl(bits.count).map_or(u32::MAX, |above| above - 1);
+            let wanted = match (extents, self.variant) {
+                (true, _) => self.items.get(k).copied().unwrap_or(1),
+                (false, 1) => {
+                    if bits.count == 1 {
+                        0
+                    } else {
+                        2
+                    }
+                }
+                (false, _) => 1,
+            };
+            wanted.min(most) << bits.first
+        };
+        packed.iter().enumerate().map(number).fold(0, |word, bits| word | bits)
     }
 
     /// A whole number of a uniform, by its name.

@@ -16,6 +16,7 @@ mod images;
 mod orders;
 mod races;
 mod run;
+mod setting;
 mod stated;
 mod tell;
 mod widths;

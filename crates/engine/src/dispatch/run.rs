@@ -18,6 +18,9 @@ pub(super) const EQUAL: u64 = 2;
 /// The choices of a host that puts 0 everywhere.
 pub(super) const ZERO: u64 = 3;
 
+/// The choices of a host one of whose numbers is 0: there is nothing of something.
+pub(super) const EMPTY: u64 = 4;
+
 /// Bits that loads outside of their arrays give the second time; as a number, 1.2e17.
 const OTHER: u32 = 0x5bd1_e995;
 
@@ -70,13 +73,17 @@ pub(super) struct Said {
     pub degenerate: bool,
 }
 
-/// Dispatches a stage in many sizes, and adds what is found to its report. `command` shows it again.
-pub fn run(subject: &Dispatched, command: &str, report: &mut FunctionReport) {
+/// Dispatches a stage in many sizes, and adds what is found to its report. `command` shows it again. Of a caller that was
+/// made up, nobody asks whether it stores anything.
+pub fn run(subject: &Dispatched, made_up: bool, command: &str, report: &mut FunctionReport) {
     let (lengths, widths) = (subject.lengths(), subject.widths());
     let mut met: Vec<Met> = Vec::new();
     let mut endless: Vec<(Hazard, Scenario)> = Vec::new();
     let mut cut_off: Option<(u64, Scenario)> = None;
     let mut unknown: Option<Finding> = None;
+    // A stage that stores nothing has not been tried.
+    let mut idle: Option<Scenario> = None;
+    let mut stores = made_up || subject.uses.stores.is_empty();
     for items in subject.sizes() {
         for (variant, subgroup) in (0..VARIANTS).flat_map(|variant| widths.iter().map(move |&width| (variant, width))) {
             if interrupt::asked() {
@@ -85,6 +92,8 @@ pub fn run(subject: &Dispatched, command: &str, report: &mut FunctionReport) {
             let scenario = Scenario { subgroup, ..subject.scenario(items, Some(&lengths), variant) };
             let outcome = subject.play(&scenario, 0);
             report.dispatches += 1;
+            stores |= subject.stores_in(&outcome) || !outcome.whole;
+            idle.get_or_insert_with(|| scenario.clone());
             if !outcome.whole && !interrupt::asked() {
                 cut_off.get_or_insert_with(|| (0, scenario.clone())).0 += 1;
             }
@@ -119,6 +128,7 @@ pub fn run(subject: &Dispatched, command: &str, report: &mut FunctionReport) {
     let mut found = by_cause(subject, &met, command);
     found.extend(endless.iter().map(|(hazard, scenario)| subject.told_endless(hazard, scenario, command)));
     let all = report.dispatches;
+    found.extend(idle.filter(|_| !stores).map(|scenario| subject.told_idle(all, &scenario, command)));
     found.extend(cut_off.map(|(count, scenario)| subject.told_cut_off(count, all, &scenario, command)));
     found.extend(unknown);
     found.extend(ordered);
@@ -172,6 +182,18 @@ fn without_value(subject: &Dispatched, lengths: &[Length], met: &mut Vec<Met>, r
         report.dispatches += 1;
         if let Some(incident) = outcome.incidents.into_iter().find(collected) {
             note(subject, met, incident, &scenario, Said::default(), lengths);
+        }
+    }
+    if let Some(items) = subject.sizes().pop().filter(|_| met.iter().all(|met| met.incident.what != Wrong::NotANumber))
+    {
+        let whole = subject.scenario(items, Some(lengths), EMPTY);
+        for scenario in subject.emptied(&whole) {
+            let outcome = subject.play(&scenario, 0);
+            report.dispatches += 1;
+            if let Some(incident) = outcome.incidents.into_iter().find(|incident| incident.what == Wrong::NotANumber) {
+                note(subject, met, incident, &scenario, Said::default(), lengths);
+                break;
+            }
         }
     }
     let mut first = true;

@@ -34,10 +34,12 @@ pub fn open_meaning(author: &Program, kernel: &Kernel, batch: &Batch) -> Result<
             executable,
             buffers,
             settings: Vec::new(),
+            places: Vec::new(),
             surplus: 0,
             subgroup: WIDTH,
             turns: Turns::default(),
             contents,
+            empty: None,
         };
         let outcome = subject.play(&scenario, 0);
         for incident in outcome.incidents {

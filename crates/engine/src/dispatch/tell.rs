@@ -57,6 +57,16 @@ impl Dispatched {
         self.finding(FuzzFindingKind::Endless, severity, message, None, (count, scenario), command)
     }
 
+    /// None of so many dispatches stored anything: the numbers that were chosen for the host kept all invocations away.
+    pub(super) fn told_idle(&self, of: u64, scenario: &Scenario, command: &str) -> Finding {
+        let message = format!(
+            "nothing is stored in any of {of} dispatches, so that nothing of it was tested: state the numbers of its host in a \
+             suite; `shadercheck init` begins one"
+        );
+        let first = self.uses.stores.first().copied();
+        self.finding(FuzzFindingKind::NotWritten, Severity::Warning, message, first, (of, scenario), command)
+    }
+
     /// Arrays of which no index is called outside, since nothing says how long they are.
     pub(super) fn told_unknown(&self, lengths: &[Length], scenario: &Scenario, command: &str) -> Option<Finding> {
         let memories = self.executable.memories().iter().zip(lengths);
@@ -98,6 +108,7 @@ impl Dispatched {
             Wrong::Relaxed => Severity::Warning,
             // With random numbers, it is more often a whole number of the host that is guessed wrong.
             Wrong::NotANumber if self.has_matrices() => Severity::Note,
+            Wrong::NotANumber if met.scenario.empty.is_some() => Severity::Warning,
             Wrong::NotANumber if !matches!(met.scenario.contents, Contents::Equal | Contents::Zero) => Severity::Note,
             Wrong::Unordered | Wrong::NotANumber => Severity::Warning,
             _ if certain => Severity::Finding,
@@ -221,6 +232,9 @@ impl Dispatched {
                 format!("{who} does not reach this barrier, at which {} waits", self.invocation(other, groups))
             }
             (Wrong::NotANumber, _) => {
+                if let Some((name, _)) = met.scenario.empty.and_then(|n| met.scenario.settings.get(n)) {
+                    return format!("{who} writes NaN to {place} where `{name}` is 0");
+                }
                 let held = met.scenario.contents.told();
                 format!("{who} writes NaN to {place}, though nothing that it may read is NaN or infinite: {held}")
             }

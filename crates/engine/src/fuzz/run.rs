@@ -149,7 +149,8 @@ fn run_on(
     let mut report = FunctionReport::nothing(subject);
     if let (Some(Ok(dispatched)), None) = (&subject.dispatch, &request.case) {
         let function = word_of(&subject.label);
-        dispatch::run(dispatched, &format!("{} --function {function}", request.command), &mut report);
+        let command = format!("{} --function {function}", request.command);
+        dispatch::run(dispatched, subject.made_up, &command, &mut report);
     }
     report.not_dispatched = subject.dispatch.as_ref().and_then(|dispatched| dispatched.as_ref().err()).cloned();
     let ready = match &subject.ready {

@@ -51,11 +51,7 @@ impl JudgeContext<'_> {
 /// The outputs of every invocation of a batch as numbers, each with how far it may be off: `slack` gives that by the number
 /// of the invocation. The words are those of the formula's outputs, in their order, and then all others; nothing else of
 /// the formula is used.
-pub fn observe<'s>(
-    context: &JudgeContext<'_>,
-    actual: &Actual,
-    slack: impl Fn(usize) -> &'s [f64],
-) -> Vec<Observed> {
+pub fn observe<'s>(context: &JudgeContext<'_>, actual: &Actual, slack: impl Fn(usize) -> &'s [f64]) -> Vec<Observed> {
     (0..actual.count()).map(|i| observed(context, actual, i, slack(i))).collect()
 }
 

@@ -3,12 +3,12 @@
 
 use super::finding::{self, Finding, FindingKind};
 use super::position::{self, Place, Tied};
+use super::related::{Inputs, KeptKnown, Known, Wanted};
 use super::trial::{Among, Trial};
 use super::{Part, Prepared, Request};
 use crate::activity;
 use base::value::Batch;
 use judge::verdict::diagnosis::{CrossCheck, Diagnosis, Stand};
-use super::related::{Inputs, KeptKnown, Known, Wanted};
 use judge::verdict::{JudgeContext, Slack, dependences, meaning, observe, observe_again, slack};
 use lanes::LaneError;
 use property::{Claim, Observed, Own, Relation, Sample, Sampler};

@@ -93,7 +93,8 @@ impl KeptKnown {
             }
         };
         let numbers = known.slack.iter().map(Vec::len).sum::<usize>();
-        *lock() = (numbers <= KEPT).then(|| Kept { inputs: inputs.all.clone(), lowered, lenience, known: known.clone() });
+        *lock() =
+            (numbers <= KEPT).then(|| Kept { inputs: inputs.all.clone(), lowered, lenience, known: known.clone() });
         known
     }
 }

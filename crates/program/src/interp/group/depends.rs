@@ -1,12 +1,13 @@
 //! What a place of a dispatch depends on that invocations do not bring with them: what a host puts into memory.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use naga::BuiltIn;
 
 use super::super::code::{Constant, Executable, Field, File, Inst, Reg, TEMPORARY, Touch, Word2};
 use super::super::domain::{Binary, Site};
 use super::access::{Extent, MemoryAccess, MemoryOp, Step};
+use super::packed::{self, Bits, Words};
 use super::shape::Space;
 
 /// Sets of memories by their numbers, those whose contents and those whose sizes have a say; all from the 64th on are one.
@@ -136,6 +137,11 @@ pub struct Uses {
     words: HashSet<(u32, u32)>,
     /// Memories that are read by an index.
     indexed: HashSet<u32>,
+    /// Words that hold several numbers.
+    packed: BTreeMap<(u32, u32), Vec<Bits>>,
+    real_too: BTreeSet<(u32, u32)>,
+    /// Where the program stores to what a host may read behind the dispatch.
+    pub stores: Vec<Site>,
 }
 
 impl Uses {
@@ -147,6 +153,17 @@ impl Uses {
     /// True for a memory that is read by an index: it holds data, and not only numbers of the host.
     pub fn is_indexed(&self, memory: u32) -> bool {
         self.indexed.contains(&memory)
+    }
+
+    /// The bits of each number that the program finds in a word of a memory, from the lowest on; none where the word is one
+    /// number.
+    pub fn packed(&self, memory: u32, word: u32) -> &[Bits] {
+        self.packed.get(&(memory, word)).map_or(&[], |bits| bits)
+    }
+
+    /// True for a word, or a part of one, that the program makes a real number of.
+    pub fn is_real_too(&self, memory: u32, word: u32) -> bool {
+        self.real_too.contains(&(memory, word))
     }
 
     /// True for a word of a memory that an instruction reads by its name, and not by an index.
@@ -222,7 +239,16 @@ impl Executable {
 
     /// What the program does with memory.
     pub fn uses(&self) -> Uses {
-        let mut uses = Uses::default();
+        let Words { packed, real_too } = packed::words(self);
+        let mut uses = Uses { packed, real_too, ..Uses::default() };
+        super::super::shape::each(&self.body, &mut |inst| {
+            if let Inst::Memory(MemoryAccess { memory, site, op, .. }) = inst
+                && !matches!(op, MemoryOp::Load(_))
+                && self.memories[*memory as usize].space != Space::Workgroup
+            {
+                uses.stores.push(*site);
+            }
+        });
         super::super::shape::each(&self.body, &mut |inst| match inst {
             Inst::Length { memory, of: Extent::Side(_), .. } => {
                 uses.sizes.insert(*memory);

@@ -160,6 +160,8 @@ pub(super) struct Contents<D: InMemory> {
     pub is_image: bool,
     /// Words up to the last one that was touched.
     pub reach: usize,
+    /// Whether anything was stored.
+    pub is_changed: bool,
 }
 
 impl<D: InMemory> Contents<D> {
@@ -178,6 +180,7 @@ impl<D: InMemory> Contents<D> {
             sides,
             is_image: shape.is_image(),
             reach: 0,
+            is_changed: false,
         }
     }
 
@@ -383,6 +386,7 @@ impl Log {
     ) {
         let (index, contents) = memory;
         contents.reach = contents.reach.max(word + 1);
+        contents.is_changed |= party.access != Access::Read;
         if !contents.is_watched() {
             return;
         }

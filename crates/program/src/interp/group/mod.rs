@@ -18,6 +18,7 @@ mod contents;
 mod depends;
 mod epochs;
 mod memory;
+mod packed;
 mod results;
 mod shape;
 mod subgroup;
@@ -41,6 +42,7 @@ use crate::lane::interrupt;
 pub use cells::{InMemory, RealCombine};
 pub use depends::{Depends, Sources, Uses};
 pub use memory::{Access, Incident, Party, Wrong};
+pub use packed::Bits;
 pub use shape::{Array, Leaf, MemoryShape, Space};
 pub use subgroup::WIDTH;
 pub use texels::{Channel, Texels};
@@ -114,6 +116,8 @@ pub struct Outcome {
     pub contents: Vec<Vec<u32>>,
     /// Words of each memory up to the last one that was touched.
     pub reach: Vec<usize>,
+    /// Whether anything was stored to a memory.
+    pub changed: Vec<bool>,
     /// What is wrong with how memory is used, one for each place.
     pub incidents: Vec<Incident>,
     /// Where invocations left the range of a type, by place; the invocation is counted through all workgroups.
@@ -189,6 +193,7 @@ impl Executable {
         }
         let whole = group.goes_on();
         let reach = group.contents.iter().map(|contents| contents.reach).collect();
+        let changed = group.contents.iter().map(|contents| contents.is_changed).collect();
         let (mut contents, mut left) = (Vec::new(), Vec::new());
         for memory in group.contents {
             let (bits, known) = memory.into_parts();
@@ -197,7 +202,7 @@ impl Executable {
         }
         let (incidents, findings) = (group.log.into_incidents(), group.findings);
         let (doubted, rounds) = (group.doubted, group.rounds);
-        (Outcome { contents, reach, incidents, findings, doubted, rounds, whole }, left)
+        (Outcome { contents, reach, changed, incidents, findings, doubted, rounds, whole }, left)
     }
 }
 
