@@ -310,7 +310,7 @@ impl IncludedText {
     /// What was found in a function, as far as that may rest on what is assumed: see [`Completed::soften`].
     pub fn softened(&self, mut function: FunctionReport) -> FunctionReport {
         self.completed.soften(&mut function);
-        if self.resting.contains(&function.function) {
+        if self.resting.contains(&function.function) || self.joined.as_ref().is_some_and(Joined::is_assumed) {
             function.as_warnings();
         }
         function

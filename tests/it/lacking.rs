@@ -115,6 +115,46 @@ fn a_function_of_a_workgroup_is_run_by_a_kernel_that_is_made_up() {
     assert!(ran.out.contains("warning: reversed: race"), "{ran:?}");
 }
 
+/// A step of a sum: its caller hands it the place in the workgroup, whatever the parameter is called.
+#[test]
+fn what_indexes_memory_of_a_workgroup_is_a_place_in_it() {
+    let step = |place: &str| {
+        format!(
+            "var<workgroup> part: array<f32, 64>;\nfn step(index: u32, stride: u32) {{\n\
+             if index < stride {{ part[{place}] += 1.0; }}\nworkgroupBarrier();\n}}\n"
+        )
+    };
+    let ran = fuzz("step.wgsl", &step("index"), "").expect(0);
+    assert!(ran.out.contains("0 findings, 0 warnings"), "{ran:?}");
+    let ran = fuzz("step.wgsl", &step("index + 64u"), "").expect(0);
+    assert!(ran.out.contains("warning: step: invocation 0 writes `part` at index 64, outside"), "{ran:?}");
+}
+
+/// A kernel whose host writes a size in front of it.
+#[test]
+fn what_rests_on_a_size_that_nobody_declares_is_a_warning() {
+    let text = "var<workgroup> part: array<f32, BLOCK>;\n@group(0) @binding(0) var<storage, read_write> o: array<f32>;\n\
+        @compute @workgroup_size(BLOCK) fn main(@builtin(local_invocation_index) i: u32) {\n\
+        part[i] = o[i];\nworkgroupBarrier();\no[i] = part[i + 64u];\n}\n";
+    let ran = fuzz("sized.wgsl", text, "").expect(0);
+    assert!(ran.err.contains("`BLOCK` is declared nowhere, and is taken for 64"), "{ran:?}");
+    let told = "main: invocation 0 reads `part` at index 64, outside of its 64 elements";
+    assert!(ran.out.contains(&format!("warning: {told}")), "{ran:?}");
+    let ran = fuzz("sized.wgsl", &format!("const BLOCK = 64u;\n{text}"), "").expect(1);
+    assert!(ran.out.contains(told) && !ran.out.contains("warning: main"), "{ran:?}");
+}
+
+#[test]
+fn a_name_in_a_declaration_is_no_slip_of_what_it_declares() {
+    let text = |name: &str| {
+        format!("const BLOCK_STEP: u32 = {name} / 8u;\nfn f(x: u32) -> u32 {{ return x % BLOCK_STEP; }}\n")
+    };
+    let ran = fuzz("block.wgsl", &text("BLOCK_SIZE"), "");
+    assert!(!ran.out.contains("is not declared"), "{ran:?}");
+    let ran = fuzz("block.wgsl", &format!("const BLOCK_SIZES = 64u;\n{}", text("BLOCK_SIZE")), "").expect(1);
+    assert!(ran.out.contains("did you mean `BLOCK_SIZES`?"), "{ran:?}");
+}
+
 #[test]
 fn functions_of_another_file_of_the_project_are_taken_from_it() {
     let folder = tempfile::tempdir().unwrap();

@@ -156,6 +156,11 @@ pub struct Undeclared {
 }
 
 impl Composed {
+    /// True where values are taken for names and placeholders that nothing states: what is found rests on them.
+    pub fn is_assumed(&self) -> bool {
+        self.notes.iter().any(|note| note.code == errors::TEMPLATE)
+    }
+
     /// The name of a declaration as its author writes it; the name itself where it is the author's.
     pub fn authored<'a>(&'a self, written: &'a str) -> &'a str {
         self.renamed.iter().find(|r| r.written == written).map_or(written, |r| &r.name)
@@ -198,10 +203,12 @@ impl Composed {
                     "全体がインポートされ、見つからないモジュールが宣言しているかもしれません"
                 )),
                 (None, []) if self.undeclared.len() > syntax::MOST_SLIPS => new,
-                (None, []) => match syntax::nearest(name, known.iter().copied()) {
-                    Some(near) => new.with_help(message!("did you mean `{near}`?", "`{near}` のことですか")),
-                    None => new,
-                },
+                (None, []) => {
+                    match syntax::nearest(name, known.iter().copied().filter(|own| Some(*own) != declares(before))) {
+                        Some(near) => new.with_help(message!("did you mean `{near}`?", "`{near}` のことですか")),
+                        None => new,
+                    }
+                }
             };
             new.at_origin()
         };
@@ -230,6 +237,21 @@ impl Composed {
     }
 }
 
+/// The name that a declaration gives, from its text up to a place in its value: nobody means it there.
+fn declares(before: &str) -> Option<&str> {
+    let statement = before.rsplit([';', '{', '}']).next()?;
+    let (head, _) = statement.split_once('=')?;
+    let named = head.split(':').next()?;
+    let mut words = named.split_whitespace();
+    let first = words
+        .next()
+        .filter(|word| word.starts_with(['@', '#']) || DECLARES.contains(&word.split('<').next().unwrap_or("")));
+    first.and_then(|_| words.next_back())
+}
+
+/// What declarations of values begin with.
+const DECLARES: [&str; 4] = ["const", "override", "let", "var"];
+
 /// Joins a file and what it imports. A file that needs nothing comes out as it is.
 ///
 /// # Errors
@@ -252,7 +274,7 @@ pub fn compose(root: &SourceFile, options: &Options, library: &mut dyn Library) 
         && let Some((more, notes)) = template::declared(root, &composed)
     {
         let again = link::link(&more, options, library, &mut problems);
-        if again.undeclared.is_empty() {
+        if again.undeclared.len() < composed.undeclared.len() {
             composed = Composed { notes: [again.notes, notes].concat(), ..again };
         }
     }

@@ -17,6 +17,11 @@ impl Walk<'_> {
         Number::of_lanes((0..self.lanes).map(|l| i64::try_from(of(l)).unwrap_or(0)).collect())
     }
 
+    /// The number of the work group along an axis.
+    fn group(&mut self, direction: usize) -> Number {
+        self.group.map_or_else(|| self.uniform(&format!("gl_WorkGroupID.{direction}")), Number::constant)
+    }
+
     fn uniform(&mut self, name: &str) -> Number {
         self.terms.named(name, Origin { uniform: true, data: false })
     }
@@ -30,9 +35,7 @@ impl Walk<'_> {
             "local_invocation_index" | "gl_LocalInvocationIndex" => {
                 Some(Value::One(Number::of_lanes((0..self.lanes).map(|l| i64::try_from(l).unwrap_or(0)).collect())))
             }
-            "workgroup_id" | "gl_WorkGroupID" => {
-                vector((0..3).map(|d| self.uniform(&format!("gl_WorkGroupID.{d}"))).collect())
-            }
+            "workgroup_id" | "gl_WorkGroupID" => vector((0..3).map(|d| self.group(d)).collect()),
             "num_workgroups" | "gl_NumWorkGroups" => {
                 vector((0..3).map(|d| self.uniform(&format!("gl_NumWorkGroups.{d}"))).collect())
             }
@@ -40,7 +43,7 @@ impl Walk<'_> {
             "global_invocation_id" | "gl_GlobalInvocationID" => {
                 let mut all = Vec::new();
                 for (direction, size) in self.size.into_iter().enumerate() {
-                    let group = self.uniform(&format!("gl_WorkGroupID.{direction}"));
+                    let group = self.group(direction);
                     let size = Number::constant(i64::from(size));
                     let first = self.terms.binary(Mul, &group, &size, None);
                     let local = self.local(direction);

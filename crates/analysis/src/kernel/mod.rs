@@ -93,8 +93,19 @@ fn body(shader: &Shader, function: FunctionId) -> Option<&Block> {
 pub fn races(shader: &Shader) -> Vec<Race> {
     let mut found = BTreeSet::new();
     for kernel in kernels(shader) {
-        let walk = walk::Walk::run(shader, &kernel, kernel.size.unwrap_or(ASSUMED));
-        found.extend(walk.map(|walk| walk.found).unwrap_or_default());
+        let size = kernel.size.unwrap_or(ASSUMED);
+        let in_group =
+            |group| walk::Walk::run_in(shader, &kernel, size, group).map(|walk| walk.found).unwrap_or_default();
+        let any = in_group(None);
+        if any.is_empty() {
+            continue;
+        }
+        // What any work group does, the first or the second one does. There, conditions on the place in the dispatch are known.
+        let is_known = |race: &Race| {
+            let places = |race: &Race| (race.symbol, race.later, race.earlier);
+            any.iter().any(|own| places(own) == places(race))
+        };
+        found.extend([0, 1].into_iter().flat_map(|group| in_group(Some(group))).filter(is_known));
     }
     let mut first: BTreeMap<(SymbolId, bool), Race> = BTreeMap::new();
     for race in found {

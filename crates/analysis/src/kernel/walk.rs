@@ -49,6 +49,8 @@ struct Frame {
 pub(super) struct Walk<'s> {
     pub shader: &'s Shader,
     pub size: [u32; 3],
+    /// The number of the work group along each axis; of none, it may be any.
+    pub group: Option<i64>,
     pub lanes: usize,
     pub terms: Terms,
     pub state: State,
@@ -75,21 +77,27 @@ impl<'s> Walk<'s> {
     /// Walks through a kernel with work groups of this size; none where they have too many invocations to be followed, or
     /// a single one.
     pub fn run(shader: &'s Shader, kernel: &Kernel, size: [u32; 3]) -> Option<Self> {
+        Self::run_in(shader, kernel, size, None)
+    }
+
+    /// The same for the work group with a number along each axis; of none, for any.
+    pub fn run_in(shader: &'s Shader, kernel: &Kernel, size: [u32; 3], group: Option<i64>) -> Option<Self> {
         let lanes = size.iter().try_fold(1_u32, |all, s| all.checked_mul(*s));
         let Some(2..=MOST_LANES) = lanes else { return None };
-        let mut walk = Self::new(shader, kernel, size);
+        let mut walk = Self::new(shader, kernel, size, group);
         if let Some(body) = body(shader, kernel.function) {
             walk.block(&body.statements);
         }
         Some(walk)
     }
 
-    fn new(shader: &'s Shader, kernel: &Kernel, size: [u32; 3]) -> Self {
+    fn new(shader: &'s Shader, kernel: &Kernel, size: [u32; 3], group: Option<i64>) -> Self {
         let lanes = size.iter().map(|s| *s as usize).product();
         let declared = shader.symbols().filter_map(|(id, s)| Some((s.span?.start, id))).collect();
         let mut walk = Self {
             shader,
             size,
+            group,
             lanes,
             terms: Terms::default(),
             state: State { active: Rc::new(vec![1; lanes]), returned: Rc::new(vec![0; lanes]), ..State::default() },

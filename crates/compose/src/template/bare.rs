@@ -11,8 +11,8 @@ use crate::Composed;
 /// Places of types and sizes; what stands in an expression may be anything.
 const SURE: u8 = 2;
 
-/// The file with declarations of all names that it lacks, and what is assumed of each. None where it lacks none, or one of
-/// them cannot be told.
+/// The file with declarations of the names that it lacks, as far as their places say what they have to be, and what is
+/// assumed of each; the others stay open. None where no place says anything, or another file or a condition may declare a name.
 pub(crate) fn declared(root: &SourceFile, composed: &Composed) -> Option<(SourceFile, Vec<Diagnostic>)> {
     if composed.undeclared.is_empty() {
         return None;
@@ -25,7 +25,9 @@ pub(crate) fn declared(root: &SourceFile, composed: &Composed) -> Option<(Source
         if missing.condition.is_some() || !missing.candidates.is_empty() {
             return None;
         }
-        let (_, found) = by_place(&composed.file, missing.span, 0).filter(|(rank, _)| *rank <= SURE)?;
+        let Some((_, found)) = by_place(&composed.file, missing.span, 0).filter(|(rank, _)| *rank <= SURE) else {
+            continue;
+        };
         let name = &missing.name;
         let is_type = found.value == "f32";
         // Who writes a type with a capital declares a structure somewhere.
@@ -41,5 +43,5 @@ pub(crate) fn declared(root: &SourceFile, composed: &Composed) -> Option<(Source
         notes
             .push(Diagnostic::new(errors::TEMPLATE, Severity::Info, &composed.file, missing.span, message).at_origin());
     }
-    Some((out.finish(root.name()), notes))
+    (!notes.is_empty()).then(|| (out.finish(root.name()), notes))
 }

@@ -73,10 +73,11 @@ impl Completed {
             let name = input.rsplit(' ').next().unwrap_or(input).split(['.', '[']).next().unwrap_or("");
             self.declared.iter().any(|stand| stand.holds(name))
         };
-        if !function.inputs.iter().any(is_assumed) {
-            return;
+        // What a dispatch gets is told of no input: any name that stands there may have a say.
+        let of_dispatch = function.dispatches > 0 && !self.declared.is_empty();
+        if of_dispatch || function.inputs.iter().any(is_assumed) {
+            function.as_warnings();
         }
-        function.as_warnings();
     }
 
     /// The text with all declarations, each in front of the item that uses it first.

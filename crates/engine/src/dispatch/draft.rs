@@ -196,6 +196,7 @@ impl Dispatched {
                     Measure::All => terms.all.clone(),
                     Measure::Along(axis) => terms.along[axis].clone(),
                     Measure::Groups => product(&terms.groups),
+                    Measure::GroupsAlong(axis) => terms.groups[axis].clone(),
                     Measure::One => "1".to_owned(),
                 };
                 (buffer.name.clone(), scaled(measure, n, d, plus), false)

@@ -109,6 +109,8 @@ pub(super) enum Measure {
     Along(usize),
     /// Workgroups.
     Groups,
+    /// Workgroups along one axis.
+    GroupsAlong(usize),
     /// The number 1, whatever is dispatched.
     One,
 }
@@ -120,6 +122,7 @@ impl Measure {
             Self::All => product(items),
             Self::Along(axis) => u64::from(items[axis]),
             Self::Groups => product(groups),
+            Self::GroupsAlong(axis) => u64::from(groups[axis]),
             Self::One => 1,
         }
     }
@@ -238,8 +241,13 @@ impl Dispatched {
             } else {
                 [Measure::All, Measure::Groups]
             };
-            let measures = [first[0], Measure::Along(0), Measure::Along(1), first[1], Measure::One];
             let at = |with: Measure, n: usize| with.of(sizes[n], groups[n]);
+            // Several for each place along an axis are a row for each workgroup, where invocations do not ask for that place.
+            let along = |axis: usize| {
+                let by_rows = !self.executable.reads_place() && reached[0] > at(Measure::Along(axis), 0);
+                if by_rows { Measure::GroupsAlong(axis) } else { Measure::Along(axis) }
+            };
+            let measures = [first[0], along(0), along(1), first[1], Measure::One];
             let varies = |with: Measure| with == Measure::One || (0..3).any(|n| at(with, n) != at(with, 0));
             for with in measures.into_iter().filter(|with| varies(*with)) {
                 if (1..3).all(|n| reached[n] * at(with, 0) == reached[0] * at(with, n)) {
@@ -362,7 +370,11 @@ impl Dispatched {
                         for leaf in &array.leaves {
                             let at = array.offset as usize + index * array.stride as usize + leaf.offset as usize;
                             let name = if leaf.name.is_empty() { &shape.name } else { &*leaf.name };
-                            let word = host.element(name, leaf.scalar, shape.space, &mut stream);
+                            let packed = self.uses.packed(k as u32, array.offset + leaf.offset);
+                            let word = match packed {
+                                [] => host.element(name, leaf.scalar, shape.space, &mut stream),
+                                packed => host.numbers(packed, &mut stream),
+                            };
                             let texels = shape.image.as_ref();
                             words[at] = texels.map_or(word, |texels| images::held(texels, leaf.offset as usize, word));
                         }
@@ -503,6 +515,16 @@ impl Host {
             Setting::All => self.items.iter().product(),
             Setting::Open => [1, 0, 2, 3][(self.variant % 4) as usize],
         }
+    }
+
+    /// Random numbers in the bits of one word of an array.
+    fn numbers(&self, packed: &[Bits], stream: &mut Stream) -> u32 {
+        let below = self.items.iter().product::<u32>().max(4);
+        let number = |bits: &Bits| {
+            let room = 1_u32.checked_shl(bits.count).unwrap_or(u32::MAX);
+            (stream.below(below.min(room) as usize) as u32) << bits.first
+        };
+        packed.iter().map(number).fold(0, |word, bits| word | bits)
     }
 
     /// A number in a memory.

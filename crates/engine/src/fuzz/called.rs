@@ -37,7 +37,10 @@ pub(super) fn with_caller(text: &ModuleText, function: &str) -> Option<(ModuleTe
     if file.text().contains(&kernel) {
         return None;
     }
-    let mut caller = Caller { file, kernel: &kernel, declared: String::new(), body: String::new(), binding: FIRST };
+    let own = tree.functions().find(|(_, own)| own.name.name == function).and_then(|(_, own)| body(tree, own));
+    let local = own.map(|span| places(tree, span)).unwrap_or_default();
+    let mut caller =
+        Caller { file, kernel: &kernel, local, declared: String::new(), body: String::new(), binding: FIRST };
     let arguments: Option<Vec<String>> = params.iter().map(|param| caller.argument(param)).collect();
     let call = format!("{function}({})", arguments?.join(", "));
     caller.call(&call, returns.as_ref().map(|(_, ty)| file.slice(ty.span)));
@@ -48,15 +51,41 @@ pub(super) fn with_caller(text: &ModuleText, function: &str) -> Option<(ModuleTe
     Some((made, kernel))
 }
 
+/// Names that stand in indices into memory of the workgroup.
+fn places(tree: &Shader, within: Span) -> HashSet<String> {
+    let Some(module) = tree.wgsl() else { return HashSet::new() };
+    let shared = shared(&module.items);
+    let words =
+        tree.tokens().iter().filter(|token| within.touches(token.span)).map(|token| tree.file().slice(token.span));
+    let (mut found, mut depth, mut last) = (HashSet::new(), 0, "");
+    for word in words {
+        match word {
+            "[" if depth > 0 || shared.contains(last) => depth += 1,
+            "]" if depth > 0 => depth -= 1,
+            _ if depth > 0 => {
+                found.insert(word.to_owned());
+            }
+            _ => {}
+        }
+        last = word;
+    }
+    found
+}
+
+/// Names of memory of the workgroup.
+fn shared(items: &[ModuleItem]) -> HashSet<String> {
+    let name = |item: &ModuleItem| match item {
+        ModuleItem::Variable(own) if is_shared(own) => Some(own.name.name.clone()),
+        _ => None,
+    };
+    items.iter().filter_map(name).collect()
+}
+
 /// True for a function that invocations of a workgroup call together: it, or one that it calls, waits at a barrier or has
 /// memory of the workgroup.
 fn is_collective(tree: &Shader, function: &str) -> bool {
     let Some(module) = tree.wgsl() else { return false };
-    let shared = |item: &ModuleItem| match item {
-        ModuleItem::Variable(own) if is_shared(own) => Some(own.name.name.clone()),
-        _ => None,
-    };
-    let shared: HashSet<String> = module.items.iter().filter_map(shared).collect();
+    let shared = shared(&module.items);
     let bodies: HashMap<&str, Span> =
         tree.functions().filter_map(|(_, own)| Some((own.name.name.as_str(), body(tree, own)?))).collect();
     let (mut open, mut seen) = (vec![function], HashSet::new());
@@ -97,6 +126,8 @@ fn is_shared(variable: &VariableSyntax) -> bool {
 struct Caller<'a> {
     file: &'a SourceFile,
     kernel: &'a str,
+    /// Names in indices into memory of the workgroup: whatever they are called, they tell invocations of one workgroup apart.
+    local: HashSet<String>,
     declared: String,
     body: String,
     binding: usize,
@@ -133,7 +164,11 @@ impl Caller<'_> {
             Number::Group => ("w", "w.x"),
         };
         let short: String = ty.chars().filter(|c| !c.is_whitespace()).collect();
-        if let Some((all, one)) = number(&param.name.name).map(numbers) {
+        let own = number(&param.name.name).map(|number| match number {
+            Number::Global if self.local.contains(&param.name.name) => Number::Local,
+            number => number,
+        });
+        if let Some((all, one)) = own.map(numbers) {
             match short.as_str() {
                 "u32" => return Some(one.to_owned()),
                 "i32" => return Some(format!("i32({one})")),

@@ -148,6 +148,11 @@ impl Joined {
         defines.iter().filter(wanted).cloned().collect()
     }
 
+    /// True where values are taken for names and placeholders that nothing states: what is found rests on them.
+    pub fn is_assumed(&self) -> bool {
+        matches!(&self.made, JoinedText::Composed(Ok(composed)) if composed.is_assumed())
+    }
+
     /// What is worth knowing: where names come from that the text does not say.
     pub fn notes(&self) -> Vec<String> {
         let composed = match &self.made {

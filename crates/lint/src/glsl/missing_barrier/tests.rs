@@ -62,6 +62,22 @@ fn barriers_and_own_elements_are_in_order() {
     assert_eq!(glsl(round), 0);
 }
 
+/// A step of a sum as a function, whose guard compares the place in the dispatch.
+#[test]
+fn guards_on_the_place_in_the_dispatch_are_known_in_the_first_group() {
+    let step = |guard: &str| {
+        let text = format!(
+            "@group(0) @binding(0) var<storage, read_write> data: array<u32>;\nvar<workgroup> s: array<u32, 64>;\n\
+             fn step(i: u32, d: u32) {{ if ({guard}) {{ s[i] += s[i + d]; }} workgroupBarrier(); }}\n\
+             @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3u) {{\n\
+             s[id.x] = data[id.x];\nworkgroupBarrier();\nstep(id.x, 32u);\nstep(id.x, 16u);\ndata[id.x] = s[0];\n}}\n"
+        );
+        wgsl::testing::count("K001", &text)
+    };
+    assert_eq!(step("i < d"), 0);
+    assert_eq!(step("i < 2u * d"), 1, "the upper half reads what the lower half of it writes");
+}
+
 #[test]
 fn what_excludes_each_other_is_in_order() {
     assert_eq!(glsl("if (n > 4u) { s[i] = 1u; } else { data[i] = s[63u - i]; }"), 0);

@@ -156,7 +156,7 @@ impl Uses {
     }
 
     /// The bits of each number that the program finds in a word of a memory, from the lowest on; none where the word is one
-    /// number.
+    /// number. A word in an array stands for that of every element: it is given for the first one.
     pub fn packed(&self, memory: u32, word: u32) -> &[Bits] {
         self.packed.get(&(memory, word)).map_or(&[], |bits| bits)
     }

@@ -14,7 +14,7 @@ pub struct Bits {
     pub count: u32,
 }
 
-/// Part of a word that lies at a fixed place in a memory: the word shifted to the right, and of that what a mask leaves.
+/// Part of a word that lies at a fixed place in a memory, or in an element of an array: the word shifted to the right, and of that what a mask leaves.
 #[derive(Clone, Copy, PartialEq)]
 struct Part {
     word: (u32, u32),
@@ -44,7 +44,7 @@ pub(super) struct Words {
     pub real_too: BTreeSet<(u32, u32)>,
 }
 
-/// Looks at the words at fixed places. Packed are those, by memory and distance from its beginning, of which each use takes some bits and no two uses overlap, with the
+/// Looks at the words, of arrays at those of the first element. Packed are those, by memory and distance from its beginning, of which each use takes some bits and no two uses overlap, with the
 /// bits of each number from the lowest on. A word with a single number is none of them.
 pub(super) fn words(executable: &Executable) -> Words {
     let constants = executable.constants.iter().filter_map(|constant| match constant {
@@ -82,9 +82,7 @@ impl Search {
     fn block(&mut self, body: &mut [Inst]) {
         for inst in body {
             match inst {
-                Inst::Memory(MemoryAccess { memory, offset, steps, op: MemoryOp::Load(parts), .. })
-                    if steps.is_empty() =>
-                {
+                Inst::Memory(MemoryAccess { memory, offset, op: MemoryOp::Load(parts), .. }) => {
                     for (to, distance) in parts.iter().filter(|(to, _)| to.file() == File::Word) {
                         let word = (*memory, *offset + *distance);
                         self.parts.entry(to.reg).or_insert(Part { word, shift: 0, mask: u32::MAX });
