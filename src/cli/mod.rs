@@ -38,6 +38,7 @@ mod interrupt;
 pub mod lanes;
 pub mod lint;
 pub mod lsp;
+pub mod mcp;
 #[cfg(feature = "run")]
 pub mod merge;
 #[cfg(feature = "run")]
@@ -203,6 +204,8 @@ pub enum Command {
     Lint(Box<lint::LintArgs>),
     /// Serve an editor: findings while typing, repairs, navigation
     Lsp(lsp::LspArgs),
+    /// Serve agents: the commands as tools of the Model Context Protocol
+    Mcp(mcp::McpArgs),
     /// Show the page of a lint rule
     Explain(explain::ExplainArgs),
     /// Translate a shader to another language
@@ -317,6 +320,7 @@ pub fn run(cli: &Cli) -> ExitStatus {
         Command::Init(args) => init::run(args, &mut out, &mut err),
         Command::Lint(args) => lint::run(args, &mut out, &mut err, color),
         Command::Lsp(args) => lsp::run(args, &mut err),
+        Command::Mcp(args) => mcp::run(args, &mut out),
         Command::Explain(args) => explain::run(args, &mut out, &mut err, color),
         #[cfg(feature = "run")]
         Command::Translate(args) => translate::run(args, &mut out, &mut err),

@@ -38,6 +38,7 @@ mod lowering;
 mod lowering_vertex;
 mod lsp;
 mod machine;
+mod mcp;
 mod modules;
 mod mutate;
 mod own;
