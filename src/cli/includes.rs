@@ -310,8 +310,12 @@ impl IncludedText {
     /// What was found in a function, as far as that may rest on what is assumed: see [`Completed::soften`].
     pub fn softened(&self, mut function: FunctionReport) -> FunctionReport {
         self.completed.soften(&mut function);
-        if self.resting.contains(&function.function) || self.joined.as_ref().is_some_and(Joined::is_assumed) {
+        let is_assumed = self.joined.as_ref().is_some_and(Joined::is_assumed) || self.completed.is_sized();
+        if is_assumed || self.resting.contains(&function.function) {
             function.as_warnings();
+        }
+        if is_assumed {
+            function.indices_as_notes();
         }
         function
     }

@@ -90,6 +90,11 @@ impl Stand {
         }
     }
 
+    /// True for a constant, whose value is as good as any.
+    pub(super) fn is_constant(&self) -> bool {
+        matches!(self.form, Form::Variable("const", _))
+    }
+
     /// True for the name of an input that it brings.
     pub(super) fn holds(&self, input: &str) -> bool {
         let given =

@@ -66,6 +66,11 @@ impl Completed {
         self.declared.iter().any(|stand| stand.brings(function))
     }
 
+    /// True where a module lacks names of constants: lengths of arrays may follow from them.
+    pub fn is_sized(&self) -> bool {
+        self.declared.iter().any(Stand::is_constant)
+    }
+
     /// Takes findings of a function that has assumed inputs for warnings: what a host gives them is not known. What a lane is
     /// blamed for stays.
     pub fn soften(&self, function: &mut FunctionReport) {
