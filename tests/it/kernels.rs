@@ -249,6 +249,18 @@ fn a_kernel_that_stores_nothing_is_told() {
     assert_eq!(findings(1), []);
 }
 
+/// A number of which a mask leaves nothing is none that a host packs.
+#[test]
+fn words_of_which_nothing_is_left_are_no_packed_numbers() {
+    let text = "@group(0) @binding(0) var<storage, read_write> out: array<u32>;\n@group(0) @binding(1) var<uniform> heads: u32;\n\
+                @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3<u32>) {\n  \
+                if (id.x < arrayLength(&out)) { out[id.x] = (heads >> 16u) / (heads & 0xffu) + (heads & 0u); }\n}\n";
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.wgsl"), text).unwrap();
+    let report = run_in(folder.path(), "fuzz a.wgsl --lane embedded --samples 16 --format json").expect(0).json();
+    assert_eq!(told(&report), []);
+}
+
 /// `sharpen` reads beyond the border of an image, and `halve` has more invocations than texels.
 #[test]
 fn coordinates_outside_of_an_image_are_notes() {

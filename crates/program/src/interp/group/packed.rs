@@ -14,7 +14,15 @@ pub struct Bits {
     pub count: u32,
 }
 
-/// Part of a word that lies at a fixed place in a memory, or in an element of an array: the word shifted to the right, and of that what a mask leaves.
+impl Bits {
+    /// The largest number that has room in them.
+    pub fn most(self) -> u32 {
+        1_u32.checked_shl(self.count).map_or(u32::MAX, |above| above - 1)
+    }
+}
+
+/// Part of a word that lies at a fixed place in a memory, or in an element of an array: the word shifted to the right, and
+/// of that what a mask leaves.
 #[derive(Clone, Copy, PartialEq)]
 struct Part {
     word: (u32, u32),
@@ -31,8 +39,11 @@ impl Part {
         Self { mask: self.mask & mask, ..self }
     }
 
-    fn bits(self) -> Bits {
-        Bits { first: self.shift + self.mask.trailing_zeros(), count: self.mask.count_ones() }
+    /// From the lowest of its bits to the highest; nothing is left where a mask or a shift takes all of them.
+    fn bits(self) -> Option<Bits> {
+        let lowest = self.mask.trailing_zeros();
+        let count = (u32::BITS - self.mask.leading_zeros()).checked_sub(lowest).filter(|count| *count > 0)?;
+        Some(Bits { first: self.shift + lowest, count })
     }
 }
 
@@ -110,7 +121,7 @@ impl Search {
                 if (touch, file) == (Touch::Read, File::Word)
                     && let Some(part) = self.parts.get(reg)
                 {
-                    self.used.entry(part.word).or_default().insert(part.bits());
+                    self.used.entry(part.word).or_default().extend(part.bits());
                 }
             });
             match inst {
@@ -140,10 +151,34 @@ impl Search {
                 args: [value, first, count, _],
                 ..
             } => {
-                let mask = 1_u32.checked_shl(constant(count)?).map_or(u32::MAX, |above| above - 1);
-                Some((*to, part(value)?.shifted(constant(first)?)?.masked(mask)))
+                let bits = Bits { first: constant(first)?, count: constant(count)? };
+                Some((*to, part(value)?.shifted(bits.first)?.masked(bits.most())))
             }
             _ => None,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_are_as_wide_as_their_masks() {
+        let bits = |shift: u32, mask: u32| {
+            let whole = Part { word: (0, 0), shift: 0, mask: u32::MAX };
+            whole
+                .shifted(shift)
+                .and_then(|part| part.masked(mask).bits())
+                .map(|bits| (bits.first, bits.count, bits.most()))
+        };
+        assert_eq!(bits(0, u32::MAX), Some((0, 32, u32::MAX)));
+        assert_eq!(bits(16, u32::MAX), Some((16, 16, 0xffff)));
+        assert_eq!(bits(4, 0xff), Some((4, 8, 0xff)));
+        assert_eq!(bits(0, 0x0f00), Some((8, 4, 15)));
+        assert_eq!(bits(0, 0x0f0f), Some((0, 12, 0xfff)), "with what lies between");
+        assert_eq!(bits(0, 0), None);
+        assert_eq!(bits(20, 0xf000_0000), None);
+        assert_eq!(bits(32, u32::MAX), None, "more than a word has");
     }
 }
