@@ -12,6 +12,7 @@ use std::io::{BufRead, Write};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use clap::Args;
+use lsp_server::ErrorCode;
 use serde_json::{Value, json};
 
 use super::status::ExitStatus;
@@ -29,12 +30,6 @@ pub struct McpArgs {
 
 /// Versions of the protocol that this server speaks, the newest first.
 const VERSIONS: [&str; 3] = ["2025-06-18", "2025-03-26", "2024-11-05"];
-
-/// Errors of JSON-RPC.
-const NOT_JSON: i64 = -32700;
-const NO_REQUEST: i64 = -32600;
-const NO_METHOD: i64 = -32601;
-const NO_PARAMS: i64 = -32602;
 
 /// What the main thread waits for.
 enum Event {
@@ -101,14 +96,14 @@ impl Server {
     fn message(&mut self, line: &str) -> Option<Value> {
         let message: Value = match serde_json::from_str(line) {
             Ok(message) => message,
-            Err(error) => return Some(refused(&Value::Null, NOT_JSON, &format!("no JSON: {error}"))),
+            Err(error) => return Some(refused(&Value::Null, ErrorCode::ParseError, &format!("no JSON: {error}"))),
         };
         let id = message.get("id").filter(|id| id.is_string() || id.is_number()).cloned();
         let Some(method) = message.get("method").and_then(Value::as_str) else {
             // An answer to what nobody asked.
             let is_answer = message.get("result").is_some() || message.get("error").is_some();
             let id = id.unwrap_or_default();
-            return (!is_answer).then(|| refused(&id, NO_REQUEST, "a message needs a `method`"));
+            return (!is_answer).then(|| refused(&id, ErrorCode::InvalidRequest, "a message needs a `method`"));
         };
         let params = message.get("params").cloned().unwrap_or_default();
         let Some(id) = id else {
@@ -125,9 +120,9 @@ impl Server {
             "tools/list" => json!({ "tools": tools::listed() }),
             "tools/call" => match self.call(&id, &params) {
                 Ok(()) => return None,
-                Err(why) => return Some(refused(&id, NO_PARAMS, &why)),
+                Err(why) => return Some(refused(&id, ErrorCode::InvalidParams, &why)),
             },
-            _ => return Some(refused(&id, NO_METHOD, &format!("there is no method `{method}`"))),
+            _ => return Some(refused(&id, ErrorCode::MethodNotFound, &format!("there is no method `{method}`"))),
         };
         Some(json!({ "jsonrpc": "2.0", "id": id, "result": result }))
     }
@@ -159,6 +154,6 @@ fn initialized(params: &Value) -> Value {
     })
 }
 
-fn refused(id: &Value, code: i64, message: &str) -> Value {
-    json!({ "jsonrpc": "2.0", "id": id, "error": { "code": code, "message": message } })
+fn refused(id: &Value, code: ErrorCode, message: &str) -> Value {
+    json!({ "jsonrpc": "2.0", "id": id, "error": { "code": code as i32, "message": message } })
 }

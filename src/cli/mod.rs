@@ -48,6 +48,7 @@ pub mod node;
 #[cfg(feature = "run")]
 mod outcomes;
 mod paths;
+mod process;
 #[cfg(feature = "run")]
 pub mod refdata;
 #[cfg(feature = "run")]

@@ -190,6 +190,7 @@ impl Composed {
             let message = message!("`{name}` is not declared", "`{name}` は宣言されていません");
             let new = Diagnostic::new(code, Severity::Error, &self.file, lacking.span, message)
                 .with_label(message!("unknown name", "未知の名前"));
+            let others = known.iter().copied().filter(|own| Some(*own) != declares(before));
             let new = match (&lacking.condition, &lacking.candidates[..]) {
                 (Some(condition), _) => {
                     new.with_why(message!("it is declared under `{condition}`", "`{condition}` の下で宣言されています"))
@@ -203,12 +204,10 @@ impl Composed {
                     "全体がインポートされ、見つからないモジュールが宣言しているかもしれません"
                 )),
                 (None, []) if self.undeclared.len() > syntax::MOST_SLIPS => new,
-                (None, []) => {
-                    match syntax::nearest(name, known.iter().copied().filter(|own| Some(*own) != declares(before))) {
-                        Some(near) => new.with_help(message!("did you mean `{near}`?", "`{near}` のことですか")),
-                        None => new,
-                    }
-                }
+                (None, []) => match syntax::nearest(name, others) {
+                    Some(near) => new.with_help(message!("did you mean `{near}`?", "`{near}` のことですか")),
+                    None => new,
+                },
             };
             new.at_origin()
         };
@@ -241,16 +240,10 @@ impl Composed {
 fn declares(before: &str) -> Option<&str> {
     let statement = before.rsplit([';', '{', '}']).next()?;
     let (head, _) = statement.split_once('=')?;
-    let named = head.split(':').next()?;
-    let mut words = named.split_whitespace();
-    let first = words
-        .next()
-        .filter(|word| word.starts_with(['@', '#']) || DECLARES.contains(&word.split('<').next().unwrap_or("")));
-    first.and_then(|_| words.next_back())
+    let mut words = head.split(':').next()?.split_whitespace().rev();
+    let (name, keyword) = (words.next()?, words.next()?);
+    ["const", "override", "let", "var", "var<private>"].contains(&keyword).then_some(name)
 }
-
-/// What declarations of values begin with.
-const DECLARES: [&str; 4] = ["const", "override", "let", "var"];
 
 /// Joins a file and what it imports. A file that needs nothing comes out as it is.
 ///

@@ -1,13 +1,13 @@
 //! Code lenses, and the commands behind them: each runs this program once more, as a process of its own that can be
 //! stopped, on the files as they are saved.
 
-use std::io::Read as _;
-use std::process::{Child, Command, Stdio};
+use std::process::Child;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use lsp_server::{ErrorCode, RequestId, Response, ResponseError};
 use serde_json::{Value, json};
 
+use super::super::process;
 use super::requests::{Context, error, path_of};
 use super::results::{Results, read};
 
@@ -130,21 +130,14 @@ pub(super) fn start(
     done: impl FnOnce(Finished) + Send + 'static,
 ) -> Result<Running, ResponseError> {
     let failed = |why: std::io::Error| error(ErrorCode::RequestFailed, why.to_string());
-    let program = std::env::current_exe().map_err(failed)?;
-    let mut child = Command::new(program)
-        .args(&asked.arguments)
-        .env("NO_COLOR", "1")
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .map_err(failed)?;
+    let mut child = process::start(&asked.arguments, None).map_err(failed)?;
     let (out, err) = (child.stdout.take(), child.stderr.take());
     let child = Arc::new(Mutex::new(child));
     let running = Running { request: request.clone(), revision, child: child.clone() };
     std::thread::spawn(move || {
-        let complaints = std::thread::spawn(move || String::from_utf8_lossy(&bytes_of(err)).into_owned());
-        let output = bytes_of(out);
+        let complaints =
+            std::thread::spawn(move || String::from_utf8_lossy(&process::bytes_of(err, MOST_OUTPUT)).into_owned());
+        let output = process::bytes_of(out, MOST_OUTPUT);
         let output = if asked.to.as_deref() == Some("spirv") {
             listed(&output)
         } else {
@@ -182,16 +175,6 @@ fn listed(module: &[u8]) -> String {
 #[cfg(not(feature = "run"))]
 fn listed(_: &[u8]) -> String {
     String::new()
-}
-
-fn bytes_of(from: Option<impl std::io::Read>) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    if let Some(mut from) = from {
-        // What was read so far is told.
-        drop(from.by_ref().take(MOST_OUTPUT).read_to_end(&mut bytes));
-        drop(std::io::copy(&mut from, &mut std::io::sink()));
-    }
-    bytes
 }
 
 /// The lenses of a document.

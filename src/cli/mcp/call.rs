@@ -1,7 +1,7 @@
 //! A call of a tool: a run of this program in a process of its own.
 
 use std::io::Read;
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Child, ExitStatus};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -11,10 +11,11 @@ use base::text::counted;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
+use super::super::process;
 use super::tools::Asked;
 
 /// Most bytes of a report: whoever asked reads all of it.
-const MOST: usize = 1 << 20;
+const MOST: u64 = 1 << 20;
 
 /// Time between two looks at whether a run came to its end.
 const PAUSE: Duration = Duration::from_millis(20);
@@ -51,13 +52,8 @@ impl Running {
 /// Runs the command to its end. None where it was ended before.
 fn run(asked: &Asked, ended: &Receiver<()>) -> anyhow::Result<Option<Value>> {
     let folder = asked.file.as_ref().map(|(name, text)| written(name, text)).transpose()?;
-    let program = std::env::current_exe().context("the program does not find itself")?;
-    let mut command = Command::new(program);
-    command.args(&asked.arguments).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    if let Some(folder) = &folder {
-        command.current_dir(folder.path());
-    }
-    let mut child = command.spawn().context("the run does not start")?;
+    let folder = folder.as_ref().map(TempDir::path);
+    let mut child = process::start(&asked.arguments, folder).context("the run does not start")?;
     let (out, err) = (listen(child.stdout.take()), listen(child.stderr.take()));
     let status = match wait(&mut child, asked.limit, ended)? {
         Waited::Whole(status) => status,
@@ -73,8 +69,8 @@ fn run(asked: &Asked, ended: &Receiver<()>) -> anyhow::Result<Option<Value>> {
     let (out, err) = (heard(out), heard(err));
     // What is wrong with the call itself is told on standard error.
     let failed = !matches!(status.code(), Some(0 | 1));
-    if out.len() > MOST {
-        let why = format!("the report has {} bytes, of {MOST} at most: name fewer paths", out.len());
+    if out.len() as u64 > MOST {
+        let why = format!("the report has more than {MOST} bytes: name fewer paths");
         return Ok(Some(result(vec![why], true)));
     }
     let said = if status.code().is_some() { String::new() } else { format!("the run was ended: {status}") };
@@ -111,17 +107,12 @@ fn wait(child: &mut Child, limit: u64, ended: &Receiver<()>) -> anyhow::Result<W
 }
 
 /// Reads a stream to its end, beside the other.
-fn listen(stream: Option<impl Read + Send + 'static>) -> JoinHandle<String> {
-    std::thread::spawn(move || {
-        let mut bytes = Vec::new();
-        // What came before a stream broke is worth reading.
-        drop(stream.map(|mut stream| stream.read_to_end(&mut bytes)));
-        String::from_utf8_lossy(&bytes).into_owned()
-    })
+fn listen(stream: Option<impl Read + Send + 'static>) -> JoinHandle<Vec<u8>> {
+    std::thread::spawn(move || process::bytes_of(stream, MOST + 1))
 }
 
-fn heard(stream: JoinHandle<String>) -> String {
-    stream.join().unwrap_or_default()
+fn heard(stream: JoinHandle<Vec<u8>>) -> String {
+    String::from_utf8_lossy(&stream.join().unwrap_or_default()).into_owned()
 }
 
 /// The result of a call, as texts of which none is empty.

@@ -30,10 +30,8 @@ pub(super) struct Scenario {
     /// The stage with textures of the sizes that belong to the dispatch.
     pub executable: Arc<Executable>,
     pub buffers: Vec<Buffer>,
-    /// Whole numbers that were chosen for uniforms, with their names.
-    pub settings: Vec<(String, u32)>,
-    /// Where each of them lies: the memory and the word.
-    pub places: Vec<(usize, u32)>,
+    /// Whole numbers that were chosen for uniforms.
+    pub settings: Vec<Chosen>,
     /// Invocations that have no element: they fill up the workgroups.
     pub surplus: u64,
     /// Invocations of a subgroup.
@@ -44,6 +42,15 @@ pub(super) struct Scenario {
     pub contents: Contents,
     /// The one of `settings` that is 0 for once.
     pub empty: Option<usize>,
+}
+
+/// A whole number that was chosen for a uniform.
+#[derive(Clone, Debug)]
+pub(super) struct Chosen {
+    pub name: String,
+    pub value: u32,
+    /// The memory in which it lies, and its word there.
+    place: (u32, u32),
 }
 
 /// Real numbers that a host puts into storage buffers; those of uniform buffers are random.
@@ -333,7 +340,7 @@ impl Dispatched {
         smaller: Option<usize>,
     ) -> Scenario {
         let groups = self.groups(items);
-        let (mut settings, mut places) = (Vec::new(), Vec::new());
+        let mut settings = Vec::new();
         let mut buffers = Vec::new();
         let key = property::mix(0x5eed + variant, items.iter().fold(0, |key, &n| property::mix(key, u64::from(n))));
         for (k, shape) in self.executable.memories().iter().enumerate() {
@@ -359,8 +366,8 @@ impl Dispatched {
                     let chosen = host.fixed(shape, (leaf, self.uses.packed(k as u32, leaf.offset)), &mut stream);
                     words[leaf.offset as usize] = chosen;
                     if shape.space == Space::Uniform && leaf.scalar != Scalar::F32 {
-                        settings.push((named(shape, leaf), chosen));
-                        places.push((k, leaf.offset));
+                        let place = (k as u32, leaf.offset);
+                        settings.push(Chosen { name: named(shape, leaf), value: chosen, place });
                     }
                 }
                 if let Some(array) = &shape.array {
@@ -394,7 +401,6 @@ impl Dispatched {
             executable,
             buffers,
             settings,
-            places,
             surplus,
             subgroup: WIDTH,
             turns: Turns::default(),
@@ -406,18 +412,17 @@ impl Dispatched {
     /// A scenario with each of its whole numbers at 0 in turn. What the program takes for a real number as well, such as what
     /// a mean divides by, is none of them: who writes that knows of it.
     pub(super) fn emptied<'s>(&'s self, whole: &'s Scenario) -> impl Iterator<Item = Scenario> + 's {
-        let kept = |&(k, word): &(usize, u32)| {
-            let memory = k as u32;
-            self.uses.packed(memory, word).is_empty() && !self.uses.is_real_too(memory, word)
+        let open = |own: &Chosen| {
+            let (memory, word) = own.place;
+            own.value != 0 && self.uses.packed(memory, word).is_empty() && !self.uses.is_real_too(memory, word)
         };
-        let one = |(n, &(k, word)): (usize, &(usize, u32))| {
+        let one = |(n, own): (usize, &Chosen)| {
             let mut scenario = Scenario { empty: Some(n), ..whole.clone() };
-            scenario.buffers[k].words[word as usize] = 0;
-            scenario.settings[n].1 = 0;
+            scenario.buffers[own.place.0 as usize].words[own.place.1 as usize] = 0;
+            scenario.settings[n].value = 0;
             scenario
         };
-        let all = whole.places.iter().enumerate();
-        all.filter(move |(n, place)| whole.settings[*n].1 != 0 && kept(place)).take(MOST_EMPTIED).map(one)
+        whole.settings.iter().enumerate().filter(move |(_, own)| open(own)).take(MOST_EMPTIED).map(one)
     }
 
     /// Runs a scenario. Loads outside of an array give the bits of `outside`.
@@ -487,22 +492,13 @@ impl Host {
     /// none is 0 at first, since some are divided by.
     fn packed(&self, name: &str, packed: &[Bits]) -> u32 {
         let extents = matches!(setting(name, None, true), Setting::Along(_) | Setting::All);
-        let number = |(k, bits): (usize, &Bits)| {
-            let most = 1_u32.checked_shl(bits.count).map_or(u32::MAX, |above| above - 1);
-            let wanted = match (extents, self.variant) {
-                (true, _) => self.items.get(k).copied().unwrap_or(1),
-                (false, 1) => {
-                    if bits.count == 1 {
-                        0
-                    } else {
-                        2
-                    }
-                }
-                (false, _) => 1,
-            };
-            wanted.min(most) << bits.first
+        let number = |k: usize, bits: &Bits| match (extents, self.variant) {
+            (true, _) => self.items.get(k).copied().unwrap_or(1).min(bits.most()),
+            (false, 1) if bits.count == 1 => 0,
+            (false, 1) => 2,
+            (false, _) => 1,
         };
-        packed.iter().enumerate().map(number).fold(0, |word, bits| word | bits)
+        packed.iter().enumerate().fold(0, |word, (k, bits)| word | number(k, bits) << bits.first)
     }
 
     /// A whole number of a uniform, by its name.
@@ -520,11 +516,8 @@ impl Host {
     /// Random numbers in the bits of one word of an array.
     fn numbers(&self, packed: &[Bits], stream: &mut Stream) -> u32 {
         let below = self.items.iter().product::<u32>().max(4);
-        let number = |bits: &Bits| {
-            let room = 1_u32.checked_shl(bits.count).unwrap_or(u32::MAX);
-            (stream.below(below.min(room) as usize) as u32) << bits.first
-        };
-        packed.iter().map(number).fold(0, |word, bits| word | bits)
+        let mut number = |bits: &Bits| stream.below(below.min(bits.most().saturating_add(1)) as usize) as u32;
+        packed.iter().fold(0, |word, bits| word | number(bits) << bits.first)
     }
 
     /// A number in a memory.

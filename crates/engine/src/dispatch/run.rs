@@ -158,43 +158,33 @@ fn by_cause(subject: &Dispatched, met: &[Met], command: &str) -> Vec<Finding> {
 
 /// Looks for NaN with contents of buffers on which formulas break. Others follow from the first one, which is told.
 fn without_value(subject: &Dispatched, lengths: &[Length], met: &mut Vec<Met>, report: &mut FunctionReport) {
+    let is_nan = |incident: &Incident| incident.what == Wrong::NotANumber;
+    let mut found = met.iter().any(|met| is_nan(&met.incident));
+    let mut look = |scenario: &Scenario, wanted: &dyn Fn(&Incident) -> bool| {
+        let outcome = subject.play(scenario, 0);
+        report.dispatches += 1;
+        let first = outcome.incidents.into_iter().find(wanted);
+        let found = first.is_some();
+        first.into_iter().for_each(|incident| note(subject, met, incident, scenario, Said::default(), lengths));
+        found
+    };
     for items in subject.sizes().into_iter().rev().step_by(4) {
-        if interrupt::asked() || met.iter().any(|met| met.incident.what == Wrong::NotANumber) {
+        if interrupt::asked() || found {
             break;
         }
-        let scenario = subject.scenario(items, Some(lengths), EQUAL);
-        let outcome = subject.play(&scenario, 0);
-        report.dispatches += 1;
-        let first = outcome.incidents.into_iter().find(|incident| incident.what == Wrong::NotANumber);
-        if let Some(incident) = first {
-            note(subject, met, incident, &scenario, Said::default(), lengths);
-        }
+        found = look(&subject.scenario(items, Some(lengths), EQUAL), &is_nan);
     }
     // What a workgroup sums up may be nothing. Of single elements, such as masses, a host may know that none is 0.
-    let collected = |incident: &Incident| {
-        incident.what == Wrong::NotANumber && subject.depends.value(incident.who.site).is_collected()
-    };
+    let collected = |incident: &Incident| is_nan(incident) && subject.depends.value(incident.who.site).is_collected();
     let mut memories = subject.executable.memories().iter();
-    let last = memories.any(|shape| shape.space == Space::Workgroup).then(|| subject.sizes().pop()).flatten();
-    if let Some(items) = last.filter(|_| met.iter().all(|met| met.incident.what != Wrong::NotANumber)) {
-        let scenario = subject.scenario(items, Some(lengths), ZERO);
-        let outcome = subject.play(&scenario, 0);
-        report.dispatches += 1;
-        if let Some(incident) = outcome.incidents.into_iter().find(collected) {
-            note(subject, met, incident, &scenario, Said::default(), lengths);
-        }
+    let last = subject.sizes().pop();
+    if let Some(items) = last.filter(|_| !found && memories.any(|shape| shape.space == Space::Workgroup)) {
+        found = look(&subject.scenario(items, Some(lengths), ZERO), &collected);
     }
-    if let Some(items) = subject.sizes().pop().filter(|_| met.iter().all(|met| met.incident.what != Wrong::NotANumber))
-    {
+    if let Some(items) = last.filter(|_| !found) {
         let whole = subject.scenario(items, Some(lengths), EMPTY);
-        for scenario in subject.emptied(&whole) {
-            let outcome = subject.play(&scenario, 0);
-            report.dispatches += 1;
-            if let Some(incident) = outcome.incidents.into_iter().find(|incident| incident.what == Wrong::NotANumber) {
-                note(subject, met, incident, &scenario, Said::default(), lengths);
-                break;
-            }
-        }
+        // The first is told.
+        let _ = subject.emptied(&whole).any(|scenario| look(&scenario, &is_nan));
     }
     let mut first = true;
     met.retain(|met| met.incident.what != Wrong::NotANumber || std::mem::take(&mut first));

@@ -34,7 +34,6 @@ pub fn open_meaning(author: &Program, kernel: &Kernel, batch: &Batch) -> Result<
             executable,
             buffers,
             settings: Vec::new(),
-            places: Vec::new(),
             surplus: 0,
             subgroup: WIDTH,
             turns: Turns::default(),

@@ -232,8 +232,8 @@ impl Dispatched {
                 format!("{who} does not reach this barrier, at which {} waits", self.invocation(other, groups))
             }
             (Wrong::NotANumber, _) => {
-                if let Some((name, _)) = met.scenario.empty.and_then(|n| met.scenario.settings.get(n)) {
-                    return format!("{who} writes NaN to {place} where `{name}` is 0");
+                if let Some(own) = met.scenario.empty.and_then(|n| met.scenario.settings.get(n)) {
+                    return format!("{who} writes NaN to {place} where `{}` is 0", own.name);
                 }
                 let held = met.scenario.contents.told();
                 format!("{who} writes NaN to {place}, though nothing that it may read is NaN or infinite: {held}")
@@ -347,7 +347,7 @@ impl Dispatched {
                 all.push(value(format!("elements of `{}`", shape.name), vec![buffer.elements]));
             }
         }
-        all.extend(scenario.settings.iter().map(|(name, chosen)| value(name.clone(), vec![*chosen])));
+        all.extend(scenario.settings.iter().map(|own| value(own.name.clone(), vec![own.value])));
         all
     }
 }

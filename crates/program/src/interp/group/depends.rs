@@ -248,27 +248,27 @@ impl Executable {
             {
                 uses.stores.push(*site);
             }
-        });
-        super::super::shape::each(&self.body, &mut |inst| match inst {
-            Inst::Length { memory, of: Extent::Side(_), .. } => {
-                uses.sizes.insert(*memory);
-            }
-            Inst::Length { memory, .. } => {
-                uses.lengths.insert(*memory);
-            }
-            Inst::Memory(access) if reads_size(self, access) => {
-                uses.sizes.insert(access.memory);
-            }
-            Inst::Memory(MemoryAccess { memory, atomic: true, .. }) => {
-                uses.atomics.insert(*memory);
-            }
-            Inst::Memory(MemoryAccess { memory, offset, steps, op: MemoryOp::Load(parts), .. }) => {
-                if !steps.is_empty() {
-                    uses.indexed.insert(*memory);
+            match inst {
+                Inst::Length { memory, of: Extent::Side(_), .. } => {
+                    uses.sizes.insert(*memory);
                 }
-                uses.words.extend(parts.iter().map(|(_, distance)| (*memory, offset + distance)));
+                Inst::Length { memory, .. } => {
+                    uses.lengths.insert(*memory);
+                }
+                Inst::Memory(access) if reads_size(self, access) => {
+                    uses.sizes.insert(access.memory);
+                }
+                Inst::Memory(MemoryAccess { memory, atomic: true, .. }) => {
+                    uses.atomics.insert(*memory);
+                }
+                Inst::Memory(MemoryAccess { memory, offset, steps, op: MemoryOp::Load(parts), .. }) => {
+                    if !steps.is_empty() {
+                        uses.indexed.insert(*memory);
+                    }
+                    uses.words.extend(parts.iter().map(|(_, distance)| (*memory, offset + distance)));
+                }
+                _ => {}
             }
-            _ => {}
         });
         uses
     }
