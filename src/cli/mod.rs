@@ -57,6 +57,8 @@ pub mod status;
 #[cfg(feature = "run")]
 pub mod torture;
 #[cfg(feature = "run")]
+pub mod trace;
+#[cfg(feature = "run")]
 pub mod translate;
 #[cfg(feature = "run")]
 pub mod tune;
@@ -175,7 +177,7 @@ pub struct Cli {
     /// When to colour output
     #[arg(long, global = true, value_enum, value_name = "WHEN", default_value_t)]
     pub color: ColorChoice,
-    /// With --version: also print the commit, the features and the versions of naga and wgpu
+    /// With --version: also the commit, features, and versions of naga and wgpu
     #[arg(long, requires = "version")]
     pub verbose: bool,
     /// What to do
@@ -192,6 +194,9 @@ pub enum Command {
     /// Run every function of a shader file on generated inputs, without a suite
     #[cfg(feature = "run")]
     Fuzz(fuzz::FuzzArgs),
+    /// Show where the value of a failing case goes wrong, expression after expression
+    #[cfg(feature = "run")]
+    Trace(trace::TraceArgs),
     /// Compare functions of two shader texts, in any two languages
     #[cfg(feature = "run")]
     Compare(compare::CompareArgs),
@@ -252,6 +257,7 @@ impl Command {
             self,
             Self::Check(_)
                 | Self::Fuzz(_)
+                | Self::Trace(_)
                 | Self::Compare(_)
                 | Self::Improve(_)
                 | Self::Lanes(_)
@@ -313,6 +319,8 @@ pub fn run(cli: &Cli) -> ExitStatus {
         Command::Check(args) => check::run(args, &mut out, &mut err, color),
         #[cfg(feature = "run")]
         Command::Fuzz(args) => fuzz::run(args, &mut out, &mut err, color),
+        #[cfg(feature = "run")]
+        Command::Trace(args) => trace::run(args, &mut out, &mut err, color),
         #[cfg(feature = "run")]
         Command::Compare(args) => compare::run(args, &mut out, &mut err, color),
         #[cfg(feature = "run")]

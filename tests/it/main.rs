@@ -69,6 +69,7 @@ mod templates;
 mod terminal;
 mod tidy;
 mod torture;
+mod trace;
 mod translate;
 mod translate_cli;
 mod translate_flips;

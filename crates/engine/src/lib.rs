@@ -22,6 +22,7 @@ pub mod session;
 pub mod shard;
 pub mod suite;
 pub mod torture;
+pub mod trace;
 pub mod tune;
 
 pub use input_value::InputValue;

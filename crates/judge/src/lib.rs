@@ -7,4 +7,5 @@ pub mod profile;
 pub mod replay;
 pub mod single;
 pub mod tape;
+pub mod trace;
 pub mod verdict;

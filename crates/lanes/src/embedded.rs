@@ -17,7 +17,7 @@ use super::{Actual, Api, Description, Lane, LaneError, LaneName, Marks, Runner, 
 /// # Errors
 /// None; the signature is that of all lanes.
 pub fn open() -> Result<Box<dyn Lane>, Unavailable> {
-    Ok(opened("embedded", "strict binary32", false))
+    Ok(opened(STRICT, "strict binary32", false))
 }
 
 /// Opens the lane on which `mediump` and `lowp` are binary16; it is always there.
@@ -27,6 +27,9 @@ pub fn open() -> Result<Box<dyn Lane>, Unavailable> {
 pub fn open_half() -> Result<Box<dyn Lane>, Unavailable> {
     Ok(opened(HALF, "strict binary16 for `mediump` and `lowp`, strict binary32 elsewhere", true))
 }
+
+/// Name of the lane of strict binary32.
+pub const STRICT: &str = "embedded";
 
 /// Name of the lane on which `mediump` and `lowp` are less than binary32.
 pub const HALF: &str = "embedded-half";

@@ -24,6 +24,8 @@ mod sarif;
 #[cfg(feature = "run")]
 pub mod torture;
 #[cfg(feature = "run")]
+pub mod trace;
+#[cfg(feature = "run")]
 pub mod tune;
 #[cfg(feature = "run")]
 mod word;

@@ -80,6 +80,23 @@ const TOOLS: &[Tool] = &[
     },
     #[cfg(feature = "run")]
     Tool {
+        name: "trace",
+        about: "Show how a case of a function came about: each expression in binary32 and in real numbers, the bits that it \
+                loses, and the first one that is wrong. Without a case, the smallest one of what `fuzz` finds.",
+        takes: &[
+            take("path", "A shader file", Kind::Word),
+            TEXT,
+            NAME,
+            FUNCTIONS,
+            take("case", "The inputs of the `reproduce` line of a finding; needs functions", Kind::Value("--case")),
+            take("set", "Inputs as NAME=NUMBERS, one for each; needs functions", Kind::Each("--set")),
+            take("output", "Only what this output depends on", Kind::Value("--output")),
+            DEFINES,
+        ],
+        always: JSON,
+    },
+    #[cfg(feature = "run")]
+    Tool {
         name: "check",
         about: "Run the suites of a folder: every output of a shader compared with its formula, within bounds that are derived.",
         takes: &[PATHS],
@@ -237,7 +254,7 @@ mod tests {
         for tool in TOOLS {
             let value = |take: &Take| match take.kind {
                 Kind::Paths => json!(["a.frag"]),
-                Kind::Each("--define") => json!(["A=1"]),
+                Kind::Each("--define" | "--set") => json!(["A=1"]),
                 Kind::Each(_) => json!(["f"]),
                 Kind::Value("--level") => json!("strict"),
                 Kind::Word | Kind::Value(_) | Kind::Text | Kind::Name => json!("a.frag"),

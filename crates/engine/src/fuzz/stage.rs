@@ -10,7 +10,7 @@ use program::lower::Role;
 
 /// The stage of a lane in which a program runs: compute where there is that, else its own stage, and for a function the vertex
 /// stage of a lane that calls functions there.
-pub(super) fn stage_of(lane: &dyn Lane, program: &Program) -> Stage {
+pub fn stage_of(lane: &dyn Lane, program: &Program) -> Stage {
     let stages = &lane.description().stages;
     match &program.role {
         _ if stages.contains(&Stage::Compute) => Stage::Compute,
@@ -25,7 +25,7 @@ pub(super) fn stage_of(lane: &dyn Lane, program: &Program) -> Stage {
 ///
 /// # Errors
 /// [`ProgramError`] for an input or output that cannot be captured.
-pub(super) fn kernel(program: &Program, stage: Stage) -> Result<Kernel, ProgramError> {
+pub fn kernel(program: &Program, stage: Stage) -> Result<Kernel, ProgramError> {
     match (stage, &program.role) {
         (Stage::Vertex, Role::Vertex) => {
             let components: Vec<u8> = program.inputs.iter().map(|port| port.field.shape.rows).collect();

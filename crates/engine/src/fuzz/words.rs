@@ -40,7 +40,7 @@ fn called(text: &str) -> Option<&str> {
 }
 
 /// The operation with its arguments; behind what the author wrote, where that is a function which is made of others.
-fn operation(op: Op, args: &[f64], wrote: Option<&str>) -> String {
+pub fn operation(op: Op, args: &[f64], wrote: Option<&str>) -> String {
     let own = applied(op, args);
     let Some(text) = wrote.filter(|text| text.chars().count() <= LONGEST) else { return own };
     match called(text) {

@@ -51,7 +51,7 @@ pub use model::Model;
 pub(crate) use model::gap;
 pub use paths::Path;
 pub use sweep::Bounds;
-pub use why::{Cause, Share, Why};
+pub use why::{Cause, Feeds, Share, Why};
 
 /// A value on the tape. The default marks a place and is no value.
 #[derive(Clone, Copy, Debug, Default)]

@@ -50,6 +50,20 @@ pub struct Share {
     pub share: f64,
 }
 
+/// The operations that outputs depend on, in one slot.
+#[derive(Clone, Debug)]
+pub struct Feeds {
+    needed: Vec<bool>,
+    slot: usize,
+}
+
+impl Feeds {
+    /// True for a column whose operation is one of them.
+    pub fn has(&self, tape: &Tape<'_>, column: Column) -> bool {
+        self.needed[tape.operation(column, self.slot) as usize]
+    }
+}
+
 impl From<Share> for Cause {
     /// The operation of a share as a cause; its value is a number.
     fn from(Share { op, site, args, value, share: _ }: Share) -> Self {
@@ -127,6 +141,18 @@ impl Tape<'_> {
                 None => return Some((self.cause_at(id, slot), self.condition(Column(id), slot))),
             }
         }
+    }
+
+    /// What some columns depend on in a slot.
+    pub fn feeds(&self, outputs: &[Column], slot: usize) -> Feeds {
+        let mut needed = vec![false; self.arena.nodes.len()];
+        let mut open: Vec<Id> = outputs.iter().map(|column| self.id(column)).collect();
+        while let Some(id) = open.pop() {
+            if !std::mem::replace(&mut needed[id as usize], true) {
+                open.extend(self.arguments(id, slot));
+            }
+        }
+        Feeds { needed, slot }
     }
 
     /// The operation behind a column in a slot, selections left out.

@@ -4,11 +4,12 @@ use super::shader::{self, written};
 use super::{Diagnosis, Divergence, Origin, Place};
 use crate::profile::{Op, Profile};
 use crate::replay::{ReplayError, replay};
-use crate::tape::{Fold, Model, Tape};
+use crate::tape::{Fold, Model};
+use crate::trace::Meant;
 use crate::verdict::judge::{Deviation, agrees};
 use crate::verdict::oracle::JudgeContext;
-use base::value::{Batch, Scalar};
-use program::interp::{self, FUEL, Machine, Number, OutputColumn};
+use base::value::Batch;
+use program::interp::{self, OutputColumn};
 use program::lane::{Actual, Lane, LaneError, Stage};
 use program::probe::{Step, Trace};
 use program::{Kernel, Probed, Program, ProgramError};
@@ -115,23 +116,12 @@ fn divergence(
 ) -> Option<Divergence> {
     let executable = interp::compile(&probed.program).ok()?;
     let model = Model::Device { profile, stage: suspected.stage, rearranged: false };
-    let mut machine = Machine::new(&executable, Tape::new(model), FUEL);
-    machine.run_some(suspected.batch, &[0]);
-    let scalars: Vec<Scalar> = executable.outputs().collect();
-    let words: Vec<f64> = (0..scalars.len())
-        .map(|word| match machine.output(0, word) {
-            OutputColumn::Real(&column) => machine.domain().values(column)[0],
-            OutputColumn::Word(words) => <f64 as Number>::exact(words[0], scalars[word]),
-        })
-        .collect();
-    let meaning = probed.trace::<f64>(&words).ok()?;
-    // The trace stands before its length, which is the last word.
-    let mut at = words.len() - 1 - probed.words as usize;
+    let mut meant = Meant::of(probed, &executable, model, suspected.batch).ok()?;
+    let meaning = meant.trace.clone();
+    let mut words = meant.words().collect::<Vec<usize>>().into_iter();
     let mut parted = None;
-    let first = device.first_difference(&meaning, |step, meant| {
-        let found = beyond(&mut machine, at + 1, step, meant);
-        at += 1 + meant.values.len() + meant.leaves.len();
-        parted = found;
+    let first = device.first_difference(&meaning, |step, real| {
+        parted = words.next().and_then(|word| beyond(&mut meant, word, step, real));
         parted.is_none()
     })?;
     let step = device.steps.get(first).or(device.steps.last())?;
@@ -140,7 +130,7 @@ fn divergence(
         let (meaning, bound, condition) = (f64::NAN, 0.0, f64::NAN);
         return Some(Divergence { place, args: Vec::new(), meaning, bound, actual: 0, condition, path: true });
     };
-    let tape = machine.domain();
+    let tape = meant.tape();
     Some(Divergence {
         place,
         args: tape.arguments_of(column, 0),
@@ -155,20 +145,20 @@ fn divergence(
 /// The first component of a step that is farther from its meaning than it may be, with the bound and
 /// the column of its meaning.
 fn beyond(
-    machine: &mut Machine<'_, Tape<'_>>,
+    meant: &mut Meant<'_, '_>,
     first: usize,
     step: &Step<u32>,
-    meant: &Step<f64>,
+    real: &Step<f64>,
 ) -> Option<(usize, f64, crate::tape::Column)> {
-    (0..step.values.len().min(meant.values.len())).find_map(|k| {
-        let OutputColumn::Real(&column) = machine.output(0, first + k) else { return None };
-        let tape = machine.domain();
+    (0..step.values.len().min(real.values.len())).find_map(|k| {
+        let column = meant.column(first + k)?;
+        let tape = meant.tape();
         let actual = f64::from(f32::from_bits(step.values[k]));
-        let bounds = tape.bounds(column, &mut |bound| agrees(actual, meant.values[k], bound[0]));
+        let bounds = tape.bounds(column, &mut |bound| agrees(actual, real.values[k], bound[0]));
         let bound = bounds.bound[0];
         // Where nothing is promised, nothing parts.
-        let free = !bound.is_finite() || !meant.values[k].is_finite() || tape.fork(0).is_some();
-        (!free && !agrees(actual, meant.values[k], bound)).then_some((k, bound, column))
+        let free = !bound.is_finite() || !real.values[k].is_finite() || tape.fork(0).is_some();
+        (!free && !agrees(actual, real.values[k], bound)).then_some((k, bound, column))
     })
 }
 

@@ -1,0 +1,247 @@
+//! The trace for people: a row for each number of each expression.
+
+use std::fmt::Write as _;
+
+use super::{Summary, words};
+use base::text::counted;
+use base::value::{F32Bits, Scalar};
+use engine::trace::{StepReport, TraceReport};
+use judge::trace::TracedValue;
+use judge::verdict::diagnosis::in_one_line;
+
+/// Characters of an expression that are shown.
+const EXPRESSION: usize = 34;
+/// Output words that are shown without `--all`.
+const OUTPUTS: usize = 16;
+/// Steps that are shown without `--all`; of a longer trace the first and the last round of each expression, and what is
+/// marked.
+const SHOWN: usize = 60;
+
+/// The report. All steps stand in it where `all` says so, else those that outputs depend on.
+pub fn text(summary: &Summary, all: bool, color: bool) -> String {
+    let mut text = String::new();
+    for (k, trace) in summary.traces.iter().enumerate() {
+        if k > 0 {
+            text.push('\n');
+        }
+        one(&mut text, trace, all, color);
+    }
+    for (function, why) in &summary.not_traced {
+        let _ = writeln!(text, "not traced: `{function}`: {why}");
+    }
+    text
+}
+
+fn one(text: &mut String, trace: &TraceReport, all: bool, color: bool) {
+    let [bold, bad, off] = if color { ["\u{1b}[1m", "\u{1b}[31m", "\u{1b}[0m"] } else { ["", "", ""] };
+    let _ = writeln!(text, "{bold}{}: `{}`{off}\n  case       {}", trace.at, trace.function, trace.why);
+    let mut label = "inputs";
+    for input in &trace.inputs {
+        let _ = writeln!(text, "  {label:<10} {} = {}", input.shown(), input.values());
+        label = "";
+    }
+    if let Some((at, mark)) = trace.origin() {
+        let step = &trace.steps[at];
+        let place = step.place.as_ref().map_or_else(|| "a step".to_owned(), |place| place.to_string());
+        let _ = writeln!(text, "  {bold}origin     {place}: {}{off}", words(mark, &trace.profile));
+    }
+    let shown = shown(&trace.steps, all);
+    let table: Vec<Vec<Row>> = shown.iter().map(|&at| rows(&trace.steps[at], trace)).collect();
+    let mut widths = [0; CELLS];
+    let heads = heads(trace);
+    let cells = table.iter().flatten().map(|row| &row.cells).chain([&heads]);
+    for row in cells {
+        row.iter().zip(&mut widths).for_each(|(cell, width)| *width = cell.chars().count().max(*width));
+    }
+    let lanes = lane_widths(&table, trace);
+    text.push('\n');
+    line(
+        text,
+        (&heads, &trace.lanes.iter().map(|(lane, _)| (*lane).to_owned()).collect::<Vec<_>>()),
+        (&widths, &lanes),
+        "",
+    );
+    let mut before = None;
+    for (&at, own) in shown.iter().zip(&table) {
+        if before.is_some_and(|before| at > before + 1) && all_between(&trace.steps, before, at) {
+            text.push_str("  …\n");
+        }
+        before = Some(at);
+        let step = &trace.steps[at];
+        for (k, row) in own.iter().enumerate() {
+            let marks: Vec<String> =
+                if k == 0 { step.marks.iter().map(|mark| words(mark, &trace.profile)).collect() } else { Vec::new() };
+            let note = if marks.is_empty() { String::new() } else { format!("  {bad}◀ {}{off}", marks.join("; ")) };
+            line(text, (&row.cells, &row.lanes), (&widths, &lanes), &note);
+        }
+    }
+    text.push('\n');
+    outputs(text, trace, all);
+    tail(text, trace, shown.len(), all);
+}
+
+/// True where steps that outputs depend on were left out between two.
+fn all_between(steps: &[StepReport], before: Option<usize>, at: usize) -> bool {
+    before.is_some_and(|before| steps[before + 1..at].iter().any(|step| step.feeds))
+}
+
+const CELLS: usize = 5;
+
+/// Place, expression, binary32, real numbers, bits lost.
+struct Row {
+    cells: [String; CELLS],
+    lanes: Vec<String>,
+}
+
+fn heads(trace: &TraceReport) -> [String; CELLS] {
+    let real = format!("real numbers ± {}", trace.profile);
+    ["at".to_owned(), "expression".to_owned(), "binary32".to_owned(), real, "bits lost".to_owned()]
+}
+
+fn lane_widths(table: &[Vec<Row>], trace: &TraceReport) -> Vec<usize> {
+    let of = |k: usize| table.iter().flatten().map(move |row| row.lanes[k].chars().count());
+    (0..trace.lanes.len()).map(|k| of(k).chain([trace.lanes[k].0.len()]).max().unwrap_or(0)).collect()
+}
+
+fn line(
+    text: &mut String,
+    (cells, lanes): (&[String; CELLS], &[String]),
+    (widths, of_lanes): (&[usize], &[usize]),
+    note: &str,
+) {
+    let mut own = String::from(" ");
+    for (cell, width) in cells.iter().zip(widths).chain(lanes.iter().zip(of_lanes)) {
+        let _ = write!(own, " {cell:<width$} ");
+    }
+    text.push_str(own.trim_end());
+    text.push_str(note);
+    text.push('\n');
+}
+
+/// The steps that are shown, by number.
+fn shown(steps: &[StepReport], all: bool) -> Vec<usize> {
+    let needed: Vec<usize> =
+        (0..steps.len()).filter(|&at| all || steps[at].feeds || !steps[at].marks.is_empty()).collect();
+    if all || needed.len() <= SHOWN {
+        return needed;
+    }
+    let stands_out = |step: &StepReport| step.round == 1 || step.round == step.rounds || !step.marks.is_empty();
+    needed.into_iter().filter(|&at| stands_out(&steps[at])).collect()
+}
+
+fn rows(step: &StepReport, trace: &TraceReport) -> Vec<Row> {
+    let at = step.place.as_ref().and_then(|place| place.at.position).map_or_else(String::new, |at| at.to_string());
+    let round = if step.rounds > 1 { format!(" #{}", step.round) } else { String::new() };
+    let wrote = match (&step.place, &step.event) {
+        (_, Some(event)) if !event.starts_with("comparison") => event.clone(),
+        (Some(place), _) => shortened(&in_one_line(&place.text)),
+        (None, event) => event.clone().unwrap_or_else(|| "(no text of the author's)".to_owned()),
+    };
+    let count = step.values.len();
+    let comparison = step.event.as_deref() == Some("comparison");
+    let name = |k: usize| match count {
+        0 | 1 => String::new(),
+        _ if comparison => ["left", "right"].get(k).map_or_else(String::new, |side| (*side).to_owned()),
+        2..=4 => format!(".{}", ["x", "y", "z", "w"][k]),
+        _ => format!("[{k}]"),
+    };
+    let lane = |values: &Option<Vec<u32>>, k: usize| {
+        values.as_ref().and_then(|values| values.get(k)).map_or_else(|| "–".to_owned(), |bits| number(*bits))
+    };
+    let numbers = |k: usize| {
+        let value = step.values.get(k);
+        let cells = [
+            value.map_or_else(String::new, |value| number(value.binary32)),
+            value.map_or_else(String::new, real),
+            value.map_or_else(String::new, lost),
+        ];
+        (
+            cells,
+            (0..trace.lanes.len()).map(|on| step.lanes.get(on).map_or_else(String::new, |own| lane(own, k))).collect(),
+        )
+    };
+    let all: Vec<([String; 3], Vec<String>)> = (0..count.max(1)).map(numbers).collect();
+    // Components that are the same stand in one row.
+    let same = count > 1 && !comparison && all.iter().all(|own| *own == all[0]);
+    let shown = if same { 1 } else { all.len() };
+    let row = |(k, ([found, real, lost], lanes)): (usize, ([String; 3], Vec<String>))| {
+        let name = if same { "(each)".to_owned() } else { name(k) };
+        let text = if k > 0 { name } else { format!("{wrote}{round}  {name}").trim_end().to_owned() };
+        Row { cells: [if k == 0 { at.clone() } else { String::new() }, text, found, real, lost], lanes }
+    };
+    all.into_iter().take(shown).enumerate().map(row).collect()
+}
+
+/// A binary32, of which NaN is called so.
+fn number(bits: u32) -> String {
+    if f32::from_bits(bits).is_nan() { "NaN".to_owned() } else { F32Bits(bits).to_string() }
+}
+
+fn real(value: &TracedValue) -> String {
+    let Some(real) = value.real else { return "–".to_owned() };
+    let shown = if real.value.is_nan() { "NaN".to_owned() } else { engine::fuzz::decimal(real.value) };
+    match real.bound {
+        0.0 => shown,
+        bound if bound.is_finite() => format!("{shown} ± {bound:.0e}"),
+        _ if real.value.is_finite() => format!("{shown} ± any"),
+        _ => shown,
+    }
+}
+
+fn lost(value: &TracedValue) -> String {
+    value.real.map_or_else(String::new, |_| format!("{:.1}", value.lost()))
+}
+
+/// The expression, without its middle where it is long.
+fn shortened(text: &str) -> String {
+    let all: Vec<char> = text.chars().collect();
+    if all.len() <= EXPRESSION {
+        return text.to_owned();
+    }
+    let half = (EXPRESSION - 1) / 2;
+    let (start, end) = (&all[..half], &all[all.len() - half..]);
+    start.iter().chain(&['…']).chain(end).collect()
+}
+
+fn outputs(text: &mut String, trace: &TraceReport, all: bool) {
+    let shown = if all { trace.outputs.len() } else { trace.outputs.len().min(OUTPUTS) };
+    for output in &trace.outputs[..shown] {
+        let value = match output.scalar {
+            Scalar::F32 => format!("{}, in real numbers {}", number(output.value.binary32), real(&output.value)),
+            scalar => crate::word::word(output.value.binary32, scalar),
+        };
+        let bits = match output.value.lost() {
+            lost if lost >= 0.05 && output.scalar == Scalar::F32 => format!(", {lost:.1} bits lost"),
+            _ => String::new(),
+        };
+        let _ = writeln!(text, "  {} = {value}{bits}", output.name);
+    }
+    if shown < trace.outputs.len() {
+        let _ = writeln!(text, "  … and {} more; `--all` shows them", trace.outputs.len() - shown);
+    }
+}
+
+/// What was left out, and lanes that did not run.
+fn tail(text: &mut String, trace: &TraceReport, shown: usize, all: bool) {
+    let needed = trace.steps.iter().filter(|step| step.feeds).count();
+    let idle = trace.steps.len() - needed;
+    if !all && needed > shown {
+        let _ =
+            writeln!(text, "note: {} of loops left out; `--all` shows them", counted((needed - shown) as u64, "step"));
+    }
+    if !all && idle > 0 {
+        let steps = counted(idle as u64, "step");
+        let _ = writeln!(text, "note: {steps} left out that no output depends on; `--all` shows them");
+    }
+    if trace.cut {
+        let _ = writeln!(text, "note: the trace ends early: it has room for {} steps of these", trace.steps.len());
+    }
+    if trace.forked && !trace.lanes.is_empty() {
+        text.push_str("note: a decision may fall either way on a device, so that no lane is held against the bounds\n");
+    }
+    for (lane, why) in &trace.lanes {
+        if let Some(why) = why {
+            let _ = writeln!(text, "note: not run on `{lane}`: {why}");
+        }
+    }
+}
