@@ -45,6 +45,9 @@ float many(float x) {
     }
     return sum;
 }
+float bits(uint x) {
+    return uintBitsToFloat(x) * 2.0;
+}
 ";
 
 fn folder() -> TempDir {
@@ -74,6 +77,7 @@ fn each_way_to_go_wrong_has_its_origin() {
         ("--function near --set x=0.0005", "loses_most", "a.glsl:7:15"),
         ("--function moved --set x=1", "parts", "a.glsl:15:9"),
         ("--function large --set x=1e30", "lost", "a.glsl:21:17"),
+        ("--function bits --set x=2143289344", "no_value", "a.glsl:32:12"),
     ] {
         let report = report(arguments);
         assert_eq!(origin(&report), (kind.to_owned(), at.to_owned()), "{arguments}: {report}");
@@ -88,6 +92,7 @@ fn what_is_right_has_no_origin() {
         "--function near --set x=1.5",
         "--function moved --set x=0",
         "--function large --set x=3",
+        "--function bits --set x=1065353216",
     ] {
         let report = report(arguments);
         assert!(report["origin"].is_null(), "{arguments}: {}", report["origin"]);
@@ -101,7 +106,7 @@ fn without_a_name_functions_with_findings_are_traced_and_others_counted() {
         whole["traces"].as_array().unwrap().iter().filter_map(|one| one["function"].as_str()).collect();
     assert!(names.contains(&"facing") && names.contains(&"near") && !names.contains(&"nearRight"), "{names:?}");
     let not: Vec<&str> = whole["not_traced"].as_array().unwrap().iter().filter_map(|one| one["why"].as_str()).collect();
-    assert!(not.iter().all(|why| why.starts_with("nothing was found in ")) && not.len() + names.len() == 6, "{not:?}");
+    assert!(not.iter().all(|why| why.starts_with("nothing was found in ")) && not.len() + names.len() == 7, "{not:?}");
 }
 
 #[test]
@@ -157,6 +162,14 @@ fn a_geometry_stage_and_a_kernel_are_traced() {
     fs::write(folder.path().join("a.wgsl"), kernel).unwrap();
     let ran = run_in(folder.path(), "trace a.wgsl --function main").expect(0).out;
     assert!(ran.contains("origin     `1.0 / (o[id.x] - 1.0)` at a.wgsl:3:11"), "{ran}");
+    // A call in WGSL is told as a whole.
+    let text = "fn facing(a: vec3f, b: vec3f) -> vec3f { return normalize(cross(a, b)); }\n";
+    fs::write(folder.path().join("b.wgsl"), text).unwrap();
+    let ran = run_in(folder.path(), "trace b.wgsl --set a=1,0,0 --set b=2,0,0 --function facing").expect(0).out;
+    assert!(
+        ran.contains("origin     `normalize(cross(a, b))` at b.wgsl:1:49: `normalize(cross(a, b))` of a zero"),
+        "{ran}"
+    );
 }
 
 #[test]

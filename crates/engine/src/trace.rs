@@ -7,7 +7,7 @@ use base::value::{Batch, Scalar};
 use judge::profile::Profile;
 use judge::tape::Cause;
 use judge::trace::{self, Traced, TracedReal, TracedStep, TracedValue};
-use judge::verdict::diagnosis::Place;
+use judge::verdict::diagnosis::{Place, in_one_line};
 use lanes::{Lane, LaneError, LaneName, Stage, embedded};
 use program::Probed;
 use program::lower::Role;
@@ -193,7 +193,7 @@ pub fn run(subject: &Subject, ready: &Ready, case: &Case, request: &Request<'_>)
         at: subject.at.clone(),
         why: case.why.clone(),
         inputs: InputValue::all(&case.sample, &ready.program),
-        steps: steps(&probed, &traced, &ran),
+        steps: steps(&probed, &traced, &subject.at, &ran),
         cut: traced.cut,
         forked: traced.forked,
         outputs,
@@ -239,7 +239,13 @@ fn on_lane(lane: &dyn Lane, probed: &Probed, batch: &Batch) -> Result<Trace<u32>
     probed.trace::<u32>(actual.vertex(0, 0)).map_err(|error| error.to_string())
 }
 
-fn steps(probed: &Probed, traced: &Traced, lanes: &[(LaneName, Result<Trace<u32>, String>)]) -> Vec<StepReport> {
+/// The steps; what stands at the name of the function is of a caller that is made up, and feeds nothing that is told.
+fn steps(
+    probed: &Probed,
+    traced: &Traced,
+    at_name: &str,
+    lanes: &[(LaneName, Result<Trace<u32>, String>)],
+) -> Vec<StepReport> {
     let mut rounds = vec![0; probed.points.len()];
     traced.steps.iter().for_each(|step| rounds[step.point] += 1);
     // How far each lane goes the same way.
@@ -261,13 +267,18 @@ fn steps(probed: &Probed, traced: &Traced, lanes: &[(LaneName, Result<Trace<u32>
     for (at, step) in traced.steps.iter().enumerate() {
         let point = &probed.points[step.point];
         let place = point.span.map(|span| Place::of(&probed.program.file, span));
+        let of_caller = place.as_ref().is_some_and(|place| place.at.to_string() == at_name);
         let on: Vec<Option<Vec<u32>>> =
             lanes.iter().map(|(_, steps)| Some(steps.as_ref()?.get(at)?.values.clone())).collect();
         let mut marks = Vec::new();
         marks.extend((parts == Some(at)).then_some(Mark::Parts));
         if step.feeds && point.what != What::Comparison {
             let wrote = place.as_ref().map(|place| place.text.as_str());
-            marks.extend(wrong(step, wrote).filter(|mark| matches!(mark, Mark::NoValue(_)) || !broken));
+            let leaf = step.broken_leaf.and_then(|leaf| point.leaves.get(leaf)?.span);
+            let leaf = leaf.map(|span| in_one_line(probed.program.file.slice(span)));
+            let taken = || leaf.map(|leaf| Mark::NoValue(format!("it takes `{leaf}`, which has no finite value")));
+            let wrong = wrong(step, wrote).or_else(|| taken().filter(|_| step.is_broken() && !broken));
+            marks.extend(wrong.filter(|mark| matches!(mark, Mark::NoValue(_)) || !broken));
             broken |= step.is_broken();
             for ((lane, _), values) in lanes.iter().zip(&on) {
                 if !traced.forked
@@ -297,7 +308,7 @@ fn steps(probed: &Probed, traced: &Traced, lanes: &[(LaneName, Result<Trace<u32>
             lanes: on,
             lost: step.lost(),
             own_loss: step.own_loss(),
-            feeds: step.feeds,
+            feeds: step.feeds && !of_caller,
             marks,
         });
     }

@@ -113,6 +113,8 @@ pub struct TracedStep {
     pub feeds: bool,
     /// Why it has no finite value in real numbers, where it has none and its operands have.
     pub cause: Option<Cause>,
+    /// Of what it takes from outside the expression, the first that is no finite number: an index of the leaves of the point.
+    pub broken_leaf: Option<usize>,
 }
 
 impl TracedStep {
@@ -246,7 +248,9 @@ pub fn trace(
         }
         last[step.point].clone_from(&values);
         let feeds = feeding || beside.is_none();
-        steps.push(TracedStep { point: step.point, round: rounds[step.point], values, given, feeds, cause });
+        let broken_leaf = step.leaves.iter().position(|&leaf| !f32::from_bits(leaf).is_finite());
+        let (point, round) = (step.point, rounds[step.point]);
+        steps.push(TracedStep { point, round, values, given, feeds, cause, broken_leaf });
     }
     let outputs = outputs.iter().map(|&word| {
         let column = meant.column(word);

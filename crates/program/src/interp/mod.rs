@@ -124,7 +124,7 @@ pub fn author_span(program: &Program, place: &Place) -> Option<base::text::Span>
         (Some(function), _) | (None, crate::Entry::Function(function)) => &program.module.functions[function],
         (None, crate::Entry::Point(index)) => &program.module.entry_points.get(index)?.function,
     };
-    crate::probe::expression_span(function, expression, place.span)
+    crate::probe::expression_span(program, function, expression, place.span)
 }
 
 /// Compiles a program.

@@ -152,7 +152,7 @@ impl Found {
             let components = stored.len() as u32;
             let number = |&(leaf, k): &(Handle<Expression>, u32)| Some((leaf, path(scope.floats(leaf)?, k)));
             stored.extend(leaves.iter().filter_map(number));
-            let place = |e| place::span(function, e, statement);
+            let place = |e| place::span(program, function, e, statement);
             points.push(Point {
                 function: handle,
                 expression: Some(expression),

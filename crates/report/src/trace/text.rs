@@ -47,32 +47,23 @@ fn one(text: &mut String, trace: &TraceReport, all: bool, color: bool) {
     }
     let shown = shown(&trace.steps, all);
     let table: Vec<Vec<Row>> = shown.iter().map(|&at| rows(&trace.steps[at], trace)).collect();
-    let mut widths = [0; CELLS];
-    let heads = heads(trace);
-    let cells = table.iter().flatten().map(|row| &row.cells).chain([&heads]);
-    for row in cells {
+    let head = heads(trace);
+    let mut widths = vec![0; head.len()];
+    for row in table.iter().flatten().chain([&head]) {
         row.iter().zip(&mut widths).for_each(|(cell, width)| *width = cell.chars().count().max(*width));
     }
-    let lanes = lane_widths(&table, trace);
     text.push('\n');
-    line(
-        text,
-        (&heads, &trace.lanes.iter().map(|(lane, _)| (*lane).to_owned()).collect::<Vec<_>>()),
-        (&widths, &lanes),
-        "",
-    );
+    line(text, &head, &widths, "");
     let mut before = None;
     for (&at, own) in shown.iter().zip(&table) {
-        if before.is_some_and(|before| at > before + 1) && all_between(&trace.steps, before, at) {
+        if before.is_some_and(|before: usize| trace.steps[before + 1..at].iter().any(|step| step.feeds)) {
             text.push_str("  …\n");
         }
         before = Some(at);
-        let step = &trace.steps[at];
+        let marks: Vec<String> = trace.steps[at].marks.iter().map(|mark| words(mark, &trace.profile)).collect();
+        let note = if marks.is_empty() { String::new() } else { format!("  {bad}◀ {}{off}", marks.join("; ")) };
         for (k, row) in own.iter().enumerate() {
-            let marks: Vec<String> =
-                if k == 0 { step.marks.iter().map(|mark| words(mark, &trace.profile)).collect() } else { Vec::new() };
-            let note = if marks.is_empty() { String::new() } else { format!("  {bad}◀ {}{off}", marks.join("; ")) };
-            line(text, (&row.cells, &row.lanes), (&widths, &lanes), &note);
+            line(text, row, &widths, if k == 0 { &note } else { "" });
         }
     }
     text.push('\n');
@@ -80,37 +71,18 @@ fn one(text: &mut String, trace: &TraceReport, all: bool, color: bool) {
     tail(text, trace, shown.len(), all);
 }
 
-/// True where steps that outputs depend on were left out between two.
-fn all_between(steps: &[StepReport], before: Option<usize>, at: usize) -> bool {
-    before.is_some_and(|before| steps[before + 1..at].iter().any(|step| step.feeds))
-}
+/// Place, expression, binary32, real numbers, bits lost; then a cell for each lane.
+type Row = Vec<String>;
 
-const CELLS: usize = 5;
-
-/// Place, expression, binary32, real numbers, bits lost.
-struct Row {
-    cells: [String; CELLS],
-    lanes: Vec<String>,
-}
-
-fn heads(trace: &TraceReport) -> [String; CELLS] {
+fn heads(trace: &TraceReport) -> Row {
     let real = format!("real numbers ± {}", trace.profile);
-    ["at".to_owned(), "expression".to_owned(), "binary32".to_owned(), real, "bits lost".to_owned()]
+    let own = ["at", "expression", "binary32", &real, "bits lost"];
+    own.into_iter().chain(trace.lanes.iter().map(|(lane, _)| *lane)).map(str::to_owned).collect()
 }
 
-fn lane_widths(table: &[Vec<Row>], trace: &TraceReport) -> Vec<usize> {
-    let of = |k: usize| table.iter().flatten().map(move |row| row.lanes[k].chars().count());
-    (0..trace.lanes.len()).map(|k| of(k).chain([trace.lanes[k].0.len()]).max().unwrap_or(0)).collect()
-}
-
-fn line(
-    text: &mut String,
-    (cells, lanes): (&[String; CELLS], &[String]),
-    (widths, of_lanes): (&[usize], &[usize]),
-    note: &str,
-) {
+fn line(text: &mut String, cells: &Row, widths: &[usize], note: &str) {
     let mut own = String::from(" ");
-    for (cell, width) in cells.iter().zip(widths).chain(lanes.iter().zip(of_lanes)) {
+    for (cell, width) in cells.iter().zip(widths) {
         let _ = write!(own, " {cell:<width$} ");
     }
     text.push_str(own.trim_end());
@@ -148,26 +120,21 @@ fn rows(step: &StepReport, trace: &TraceReport) -> Vec<Row> {
     let lane = |values: &Option<Vec<u32>>, k: usize| {
         values.as_ref().and_then(|values| values.get(k)).map_or_else(|| "–".to_owned(), |bits| number(*bits))
     };
-    let numbers = |k: usize| {
+    let numbers = |k: usize| -> Row {
         let value = step.values.get(k);
-        let cells = [
-            value.map_or_else(String::new, |value| number(value.binary32)),
-            value.map_or_else(String::new, real),
-            value.map_or_else(String::new, lost),
-        ];
-        (
-            cells,
-            (0..trace.lanes.len()).map(|on| step.lanes.get(on).map_or_else(String::new, |own| lane(own, k))).collect(),
-        )
+        let cell = |f: fn(&TracedValue) -> String| value.map_or_else(String::new, f);
+        let own = [cell(|value| number(value.binary32)), cell(real), cell(lost)];
+        let beside = (0..trace.lanes.len()).map(|on| step.lanes.get(on).map_or_else(String::new, |own| lane(own, k)));
+        own.into_iter().chain(beside).collect()
     };
-    let all: Vec<([String; 3], Vec<String>)> = (0..count.max(1)).map(numbers).collect();
+    let all: Vec<Row> = (0..count.max(1)).map(numbers).collect();
     // Components that are the same stand in one row.
     let same = count > 1 && !comparison && all.iter().all(|own| *own == all[0]);
     let shown = if same { 1 } else { all.len() };
-    let row = |(k, ([found, real, lost], lanes)): (usize, ([String; 3], Vec<String>))| {
+    let row = |(k, numbers): (usize, Row)| {
         let name = if same { "(each)".to_owned() } else { name(k) };
         let text = if k > 0 { name } else { format!("{wrote}{round}  {name}").trim_end().to_owned() };
-        Row { cells: [if k == 0 { at.clone() } else { String::new() }, text, found, real, lost], lanes }
+        [if k == 0 { at.clone() } else { String::new() }, text].into_iter().chain(numbers).collect()
     };
     all.into_iter().take(shown).enumerate().map(row).collect()
 }
