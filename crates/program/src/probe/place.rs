@@ -11,7 +11,12 @@ pub fn span(program: &Program, function: &Function, handle: Handle<Expression>, 
     let span = Span::new(range.start, range.end);
     // naga's reader of WGSL has the name of a call alone.
     let call = (program.written != Written::Glsl).then(|| call(program.file.text(), span)).flatten();
-    Some(call.unwrap_or(span))
+    // One that goes over parts of a composed text has no text of one file.
+    let in_one_file = |call: &Span| {
+        let (origin, there) = program.file.origin(*call);
+        origin.slice(there) == program.file.slice(*call)
+    };
+    Some(call.filter(in_one_file).unwrap_or(span))
 }
 
 /// A call whose name has a span, up to its closing bracket; `None` for what is no call.
