@@ -64,6 +64,15 @@ pub struct TraceArgs {
     /// Lanes whose values stand beside, of those that `shadercheck lanes` lists
     #[arg(long, value_name = "LANE", value_delimiter = ',')]
     pub lane: Vec<String>,
+    /// Every available lane
+    #[arg(long, conflicts_with = "lane")]
+    pub all_lanes: bool,
+    /// Seek a case among arbitrary inputs, whatever these may stand for
+    #[arg(long)]
+    pub arbitrary: bool,
+    /// Seek a case among signed sums and products that do not fit 32 bits too
+    #[arg(long)]
+    pub strict_integers: bool,
     /// Profile for bounds: a shipped one by name, or a file that `calibrate` wrote
     #[arg(long, value_name = "PROFILE", default_value = "vulkan-1.4")]
     pub profile: String,
@@ -114,10 +123,13 @@ pub fn run(args: &TraceArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         "--case and --set are for one function, and there are {} of these names",
         subjects.len()
     );
-    let wanted: Vec<String> = if args.lane.is_empty() { vec!["embedded".to_owned()] } else { args.lane.clone() };
+    let wanted: Vec<String> = match args.lane.is_empty() {
+        true if !args.all_lanes => vec![lanes::embedded::STRICT.to_owned()],
+        _ => args.lane.clone(),
+    };
     let opened = Wanted { stand_in: StandIn::Beside, ..Wanted::named(&wanted) }.open()?;
     let missing: Vec<String> = opened.missing.iter().map(|(name, error)| format!("lane `{name}`: {error}")).collect();
-    anyhow::ensure!(missing.is_empty(), "{}", missing.join("; "));
+    anyhow::ensure!(args.all_lanes || missing.is_empty(), "{}", missing.join("; "));
     let lanes: Vec<&dyn Lane> = opened.lanes.iter().map(AsRef::as_ref).collect();
     let mut inputs = Inputs::new(&stated);
     let mut summary = Summary { traces: Vec::new(), not_traced: Vec::new() };
@@ -174,9 +186,9 @@ fn case<'s>(
         seed: args.input.seed,
         case: None,
         notes: false,
-        arbitrary: false,
-        strict_integers: false,
-        first_lane: args.lane.is_empty(),
+        arbitrary: args.arbitrary,
+        strict_integers: args.strict_integers,
+        first_lane: args.lane.is_empty() && !args.all_lanes,
         command: format!("shadercheck fuzz {}", source.given),
     };
     let on: Vec<(&dyn Lane, Promises)> =

@@ -5,7 +5,7 @@ use std::fs;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::binary::{Ran, command, root, run_in};
+use crate::binary::{Ran, command, root, run_in, run_reported};
 use crate::fuzz::functions;
 use engine::adversary::{Adversary, Fault, Strategy};
 use engine::fuzz::Domain;
@@ -118,6 +118,27 @@ fn the_reproduce_line_of_a_finding_is_traced() {
     let ran = command(folder.path(), "trace a.glsl --function facing --format json --case").arg(case).output().unwrap();
     let whole: Value = serde_json::from_slice(&ran.stdout).unwrap();
     assert_eq!(origin(&whole["traces"][0]).0, "no_value");
+}
+
+#[test]
+fn options_that_a_reproduce_line_may_have_are_taken() {
+    let folder = folder();
+    let found =
+        run_in(folder.path(), "fuzz a.glsl --function facing --lane embedded --arbitrary --strict-integers").out;
+    let line = found.lines().find_map(|line| line.trim().strip_prefix("reproduce")).unwrap().trim();
+    let ran = run_reported(folder.path(), &line.replacen(" fuzz ", " trace ", 1), &["--format", "json"]).expect(0);
+    assert_eq!(ran.json()["traces"][0]["why"], "the inputs of --case", "{}", ran.out);
+}
+
+#[test]
+fn what_an_endless_loop_leaves_out_is_no_number() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "float f(float x) { while (x < 1.0) { x = x * 1.0; } return x; }\n";
+    fs::write(folder.path().join("a.glsl"), text).unwrap();
+    let ran = run_in(folder.path(), "trace a.glsl --function f --set x=0.5").expect(0).out;
+    assert!(ran.contains("return = not written") && ran.contains("a loop goes on for too long"), "{ran}");
+    let ran = run_in(folder.path(), "trace a.glsl --function f --set x=2").expect(0).out;
+    assert!(ran.contains("return = 2.0") && !ran.contains("too long"), "{ran}");
 }
 
 #[test]

@@ -2,7 +2,9 @@
 //! on lanes, and the first expression at which something goes wrong.
 
 use crate::InputValue;
-use crate::fuzz::{Domain, FunctionReport, Ready, Severity, Subject, drawn, operation, scan, stream_key};
+use crate::fuzz::{
+    Domain, FunctionReport, Ready, Severity, Subject, batch_size, drawn, operation, place_of, scan, stream_key,
+};
 use base::value::{Batch, Scalar};
 use judge::profile::Profile;
 use judge::tape::Cause;
@@ -40,8 +42,9 @@ impl Case {
         Some(Self { sample, why, output: finding.output.clone() })
     }
 
-    /// Of `samples` inputs of a domain the ones that lose most bits.
+    /// Of `samples` inputs of a domain, at most one batch, the ones that lose most bits.
     pub fn hardest(subject: &Subject, ready: &Ready, domain: &Domain, (samples, seed): (usize, u64)) -> Self {
+        let samples = samples.min(batch_size(ready));
         let key = stream_key(seed, &subject.label);
         let batch = drawn(ready, domain, key, (0, samples), !domain.is_stated());
         let looks = scan(&ready.executable, &ready.kernel.output.vertex, &batch);
@@ -70,7 +73,7 @@ pub enum Mark {
     NoValue(String),
     /// Its value fits binary32 in real numbers, or is too large for it by itself, and binary32 has none.
     Lost(String),
-    /// What decides falls otherwise in real numbers, or here they take another step.
+    /// This comparison falls otherwise in real numbers; or, behind a decision that is none of numbers, they take another step.
     Parts,
     /// A lane has what no conforming device may.
     Lane(LaneName),
@@ -89,7 +92,7 @@ pub struct StepReport {
     pub round: usize,
     /// How often it runs in all.
     pub rounds: usize,
-    /// Columns and rows of its value are not known: components stand one after the other.
+    /// Its numbers, matrices column by column; of a comparison the two operands.
     pub values: Vec<TracedValue>,
     /// The same on each lane that goes this way, as bits.
     pub lanes: Vec<Option<Vec<u32>>>,
@@ -131,6 +134,8 @@ pub struct TraceReport {
     pub cut: bool,
     /// True where a decision may fall either way on a device: no lane is held against bounds then.
     pub forked: bool,
+    /// True where a loop went on for too long, so that what comes after it is not known.
+    pub endless: bool,
     /// What came out.
     pub outputs: Vec<OutputReport>,
     /// Lanes whose values stand beside, with why one did not run.
@@ -196,6 +201,7 @@ pub fn run(subject: &Subject, ready: &Ready, case: &Case, request: &Request<'_>)
         steps: steps(&probed, &traced, &subject.at, &ran),
         cut: traced.cut,
         forked: traced.forked,
+        endless: traced.endless,
         outputs,
         lanes: ran.into_iter().map(|(lane, ran)| (lane, ran.err())).collect(),
         profile: request.profile.name.clone(),
@@ -266,7 +272,7 @@ fn steps(
     let mut reports = Vec::new();
     for (at, step) in traced.steps.iter().enumerate() {
         let point = &probed.points[step.point];
-        let place = point.span.map(|span| Place::of(&probed.program.file, span));
+        let place = point.span.and_then(|span| place_of(&probed.program, span));
         let of_caller = place.as_ref().is_some_and(|place| place.at.to_string() == at_name);
         let on: Vec<Option<Vec<u32>>> =
             lanes.iter().map(|(_, steps)| Some(steps.as_ref()?.get(at)?.values.clone())).collect();

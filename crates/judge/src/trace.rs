@@ -94,6 +94,8 @@ pub struct Traced {
     pub parted: Option<usize>,
     /// True where a decision may fall either way on a device, so that bounds hold on this way alone.
     pub forked: bool,
+    /// True where a loop went on for more than [`FUEL`] rounds and was left.
+    pub endless: bool,
     /// The output words that were asked for; of whole numbers the bits.
     pub outputs: Vec<TracedValue>,
 }
@@ -160,6 +162,11 @@ impl TracedReal {
 }
 
 impl TracedValue {
+    /// False where nothing was ever written.
+    pub fn is_written(&self) -> bool {
+        !f32::from_bits(self.binary32).is_poison()
+    }
+
     /// True for a number that binary32 has, in real numbers too.
     pub fn fits(&self) -> bool {
         let fits = |real: TracedReal| real.value.abs() <= f64::from(f32::MAX);
@@ -255,11 +262,13 @@ pub fn trace(
     let outputs = outputs.iter().map(|&word| {
         let column = meant.column(word);
         let real = column.map(|column| meant.real(meant.machine.as_domain().values(column)[0], Some(column)));
-        TracedValue { binary32: words[word], real }
+        // What a loop left out has no number.
+        TracedValue { binary32: words[word], real: real.filter(|real| !real.value.is_poison()) }
     });
     let outputs = outputs.collect();
     let forked = meant.machine.as_domain().fork(0).is_some();
-    Ok(Traced { steps, cut: found.cut, parted, forked, outputs })
+    let endless = strict.flags()[0].is_stopped();
+    Ok(Traced { steps, cut: found.cut, parted, forked, endless, outputs })
 }
 
 /// The columns that outputs depend on; `None` where there are no outputs, or one is a whole number, of which no column tells.

@@ -61,6 +61,17 @@ fn text_key(text: &str) -> u64 {
     text.bytes().fold(0xcbf2_9ce4_8422_2325, |key, byte| Stream::new(key ^ u64::from(byte)).bits())
 }
 
+/// Samples of one batch, and words of its largest record in all.
+const BATCH: usize = 1 << 16;
+const BATCH_WORDS: usize = 1 << 22;
+
+/// Most samples of one batch of a function.
+pub fn batch_size(ready: &Ready) -> usize {
+    let kernel = &ready.kernel;
+    let widest = kernel.output.words().max(kernel.invocation.words()).max(kernel.case.words()).max(1);
+    BATCH.min(BATCH_WORDS / widest).max(1)
+}
+
 /// Samples of a function from number `first` on: as a program would give them, or of any size.
 pub fn drawn(ready: &Ready, domain: &Domain, key: u64, (first, count): (u64, usize), realistic: bool) -> Batch {
     let records = (&ready.kernel.invocation, &ready.kernel.case);

@@ -32,14 +32,14 @@ mod wrapper;
 
 pub use domain::{Domain, InputDomain, Interval, Law, MODERATE, Shrinking, Stated, Within};
 pub use finding::{Finding, FunctionReport, FuzzFindingKind, LaneReport, Part, Severity, WORKGROUPS};
-pub(crate) use generate::drawn;
 pub use generate::{batch, stream_key};
+pub(crate) use generate::{batch_size, drawn};
 pub use hint::{FORMS, option};
 pub(crate) use lowered::{Beside, Event, Harm, Narrowing};
 pub(crate) use modules::Known;
 pub use modules::subjects_of_module;
 pub use name::decimal;
-pub(crate) use name::place;
+pub(crate) use name::{place, place_of};
 pub use run::{Request, given, run};
 pub use scan::{LIMIT, ROUNDS, Trouble};
 pub(crate) use scan::{Look, scan};

@@ -332,7 +332,11 @@ pub fn decimal(x: f64) -> String {
 
 /// Where a site stands in the author's files, and the text there; none in generated text.
 pub fn place(program: &Program, executable: &Executable, site: Option<Site>) -> Option<Place> {
-    let span = author_span(program, &executable.place(site?))?;
+    place_of(program, author_span(program, &executable.place(site?))?)
+}
+
+/// Where a span of a program's text stands in the author's files, and the text there; none in generated text.
+pub fn place_of(program: &Program, span: Span) -> Option<Place> {
     let file = &program.file;
     let (origin, there) = file.origin(span);
     if there.is_empty() {

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::crossing;
 use super::domain::{Domain, Standing, Within};
 use super::finding::{Finding, FunctionReport, FuzzFindingKind, Part, Severity};
-use super::generate::{drawn, stream_key};
+use super::generate::{batch_size, drawn, stream_key};
 use super::host_numbers;
 use super::lanes::OnLane;
 use super::lowered::Lowered;
@@ -25,9 +25,6 @@ use lanes::{Lane, LaneName, embedded, interrupt};
 use program::Program;
 use property::{Sample, regressions};
 
-/// Samples of one batch, and words of its largest record in all.
-const BATCH: usize = 1 << 16;
-const BATCH_WORDS: usize = 1 << 22;
 /// Every sixteenth sample is one that the batch has elsewhere already.
 const TWIN: usize = 16;
 /// Samples among which edges are sought.
@@ -180,8 +177,7 @@ fn run_on(
     let reference = Reference::nothing(&ready.program);
     let case = request.case.as_ref().map(|text| given(ready, text)).transpose()?;
     let (invocation, uniforms) = (&ready.kernel.invocation, &ready.kernel.case);
-    let widest = ready.kernel.output.words().max(invocation.words()).max(uniforms.words()).max(1);
-    let size = BATCH.min(BATCH_WORDS / widest).max(1);
+    let size = batch_size(ready);
     // One sample alone, whatever is asked for.
     let alone = case.is_some() || invocation.words() + uniforms.words() == 0;
     let samples = if alone { 1 } else { request.samples };

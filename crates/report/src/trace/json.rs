@@ -34,6 +34,7 @@ struct TraceJson<'a> {
     outputs: Vec<Output<'a>>,
     cut: bool,
     forked: bool,
+    endless: bool,
 }
 
 #[derive(Serialize)]
@@ -84,6 +85,7 @@ struct Value {
 #[derive(Serialize)]
 struct Output<'a> {
     name: &'a str,
+    written: bool,
     #[serde(flatten)]
     value: Value,
     bits_lost: f64,
@@ -129,12 +131,14 @@ fn one(trace: &TraceReport) -> TraceJson<'_> {
             .iter()
             .map(|output| Output {
                 name: &output.name,
+                written: output.value.is_written(),
                 value: value(&output.value, Vec::new()),
                 bits_lost: output.value.lost(),
             })
             .collect(),
         cut: trace.cut,
         forked: trace.forked,
+        endless: trace.endless,
     }
 }
 

@@ -62,13 +62,21 @@ fn one(text: &mut String, trace: &TraceReport, all: bool, color: bool) {
         before = Some(at);
         let marks: Vec<String> = trace.steps[at].marks.iter().map(|mark| words(mark, &trace.profile)).collect();
         let note = if marks.is_empty() { String::new() } else { format!("  {bad}◀ {}{off}", marks.join("; ")) };
+        let marked = worst(&trace.steps[at]).min(own.len() - 1);
         for (k, row) in own.iter().enumerate() {
-            line(text, row, &widths, if k == 0 { &note } else { "" });
+            line(text, row, &widths, if k == marked { &note } else { "" });
         }
     }
     text.push('\n');
     outputs(text, trace, all);
     tail(text, trace, shown.len(), all);
+}
+
+/// The number of a step that is the farthest off: one that is none, else the one that lost most bits.
+fn worst(step: &StepReport) -> usize {
+    let off = |value: &TracedValue| if value.fits() { value.lost() } else { f64::INFINITY };
+    let all = step.values.iter().enumerate();
+    all.max_by(|a, b| off(a.1).total_cmp(&off(b.1)).then(b.0.cmp(&a.0))).map_or(0, |(k, _)| k)
 }
 
 /// Place, expression, binary32, real numbers, bits lost; then a cell for each lane.
@@ -174,6 +182,7 @@ fn outputs(text: &mut String, trace: &TraceReport, all: bool) {
     let shown = if all { trace.outputs.len() } else { trace.outputs.len().min(OUTPUTS) };
     for output in &trace.outputs[..shown] {
         let value = match output.scalar {
+            Scalar::F32 if !output.value.is_written() => "not written".to_owned(),
             Scalar::F32 => format!("{}, in real numbers {}", number(output.value.binary32), real(&output.value)),
             scalar => crate::word::word(output.value.binary32, scalar),
         };
@@ -202,6 +211,9 @@ fn tail(text: &mut String, trace: &TraceReport, shown: usize, all: bool) {
     }
     if trace.cut {
         let _ = writeln!(text, "note: the trace ends early: it has room for {} steps of these", trace.steps.len());
+    }
+    if trace.endless {
+        text.push_str("note: a loop goes on for too long here and was left; what comes after it is not known\n");
     }
     if trace.forked && !trace.lanes.is_empty() {
         text.push_str("note: a decision may fall either way on a device, so that no lane is held against the bounds\n");
