@@ -4,19 +4,19 @@ use std::process::ExitCode;
 
 use shadercheck::cli::{Cli, run};
 
-#[cfg(feature = "run")]
+#[cfg(feature = "drivers")]
 #[global_allocator]
 static GLOBAL: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() -> ExitCode {
     let cli = Cli::read().unwrap_or_else(|error| error.exit());
-    #[cfg(feature = "run")]
+    #[cfg(feature = "drivers")]
     devices(&cli.command);
     run(&cli).into()
 }
 
 /// What has to be set before a device is opened.
-#[cfg(feature = "run")]
+#[cfg(feature = "drivers")]
 fn devices(command: &shadercheck::cli::Command) {
     use shadercheck::cli::{Command, node, worker};
     if let Some(program) = std::env::current_exe().ok().and_then(worker::program) {
@@ -36,7 +36,7 @@ fn devices(command: &shadercheck::cli::Command) {
 /// A layer of Mesa's Vulkan loader asks for a Wayland display and prints an error line when
 /// `XDG_RUNTIME_DIR` is not set, which is usual in CI. The variable must be there before the process
 /// starts, so the process is started again with it, once.
-#[cfg(all(unix, feature = "run"))]
+#[cfg(all(unix, feature = "drivers"))]
 fn quiet_loader() {
     use std::os::unix::process::CommandExt;
     const VARIABLE: &str = "XDG_RUNTIME_DIR";
@@ -50,7 +50,7 @@ fn quiet_loader() {
 }
 
 /// A shader that does not end would keep this process busy after the one that sent it has gone.
-#[cfg(all(unix, feature = "run"))]
+#[cfg(all(unix, feature = "drivers"))]
 fn end_with_the_parent() {
     use std::os::unix::process::parent_id;
     let parent = parent_id();

@@ -27,7 +27,10 @@ impl Bar {
         self.bar.reset();
         self.bar.set_length(steps);
         self.bar.set_message(format!("{what} on {on}"));
-        self.bar.enable_steady_tick(Duration::from_millis(200));
+        // It takes a thread, which some systems have not.
+        if !self.bar.is_hidden() {
+            self.bar.enable_steady_tick(Duration::from_millis(200));
+        }
     }
 
     /// Steps done.

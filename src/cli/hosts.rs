@@ -64,9 +64,11 @@ impl Hosts {
     /// such a file, and for each name only where one file defines it.
     pub fn siblings(&mut self, shader: &Path, names: &[String]) -> Vec<Sibling> {
         let mut found: Vec<Sibling> = Vec::new();
-        let own = shader.canonicalize().ok();
+        // Where a system has no other names of a file, its path is the only one.
+        let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let own = real(shader);
         hosts_around(shader, &is_glsl, &mut |paths| {
-            for path in paths.iter().filter(|path| path.canonicalize().ok() != own) {
+            for path in paths.iter().filter(|path| real(path) != own) {
                 let defines = |library: &Sibling| names.iter().any(|name| library.functions.contains(name));
                 found.extend(self.library(path, names).filter(|library| defines(library)));
             }

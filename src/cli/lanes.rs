@@ -43,9 +43,10 @@ pub fn run(args: &LanesArgs, out: &mut dyn Write) -> anyhow::Result<ExitStatus> 
     match args.format {
         Format::Text => {
             out.write_all(table(&all).as_bytes())?;
-            let executor = |found: &LaneState| found.what.as_ref().ok().map(|(lane, _)| lane.executor.clone());
-            if !all.iter().filter_map(executor).any(|executor| executor == lanes::vulkan::SWIFTSHADER) {
-                out.write_all(wrapped(lanes::vulkan::MORE, "help:", 6).as_bytes())?;
+            let found: Vec<&Description> =
+                all.iter().filter_map(|f| f.what.as_ref().ok()).map(|(lane, _)| lane).collect();
+            if let Some(more) = lanes::more(&found) {
+                out.write_all(wrapped(more, "help:", 6).as_bytes())?;
             }
         }
         Format::Json => writeln!(out, "{:#}", json!({ "lanes": all.iter().map(value).collect::<Vec<_>>() }))?,

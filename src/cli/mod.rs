@@ -43,7 +43,7 @@ pub mod mcp;
 pub mod merge;
 #[cfg(feature = "run")]
 pub mod mutate;
-#[cfg(feature = "run")]
+#[cfg(feature = "drivers")]
 pub mod node;
 #[cfg(feature = "run")]
 mod outcomes;
@@ -65,7 +65,7 @@ pub mod tune;
 pub mod version;
 #[cfg(feature = "run")]
 mod waiting;
-#[cfg(feature = "run")]
+#[cfg(feature = "drivers")]
 pub mod worker;
 
 use std::io::{IsTerminal, Write};
@@ -244,14 +244,14 @@ pub enum Command {
     #[command(hide = true)]
     Man(completions::ManArgs),
     /// Run jobs of a lane that another process sends
-    #[cfg(feature = "run")]
+    #[cfg(feature = "drivers")]
     #[command(hide = true)]
     Worker(worker::WorkerArgs),
 }
 
 impl Command {
     /// True when the command opens devices.
-    #[cfg(feature = "run")]
+    #[cfg(feature = "drivers")]
     pub fn opens_devices(&self) -> bool {
         matches!(
             self,
@@ -349,7 +349,7 @@ pub fn run(cli: &Cli) -> ExitStatus {
         Command::Calibrate(args) => calibrate::run(args, &mut out, &mut err),
         Command::Completions(args) => completions::run(args, &mut out),
         Command::Man(args) => completions::man(args),
-        #[cfg(feature = "run")]
+        #[cfg(feature = "drivers")]
         Command::Worker(args) => worker::run(args, &mut out),
     };
     let result = result.and_then(|status| Ok(out.flush().map(|()| status)?));

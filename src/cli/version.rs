@@ -18,8 +18,12 @@ macro_rules! verbose {
 
 /// Version, commit, target, profile, features and the versions of what reads and runs shaders: the version, and then a line
 /// each, `name: value`. The build script sets what cargo does not.
-#[cfg(feature = "run")]
-pub const VERBOSE: &str = verbose!(", run", "\nnaga: ", env!("SHADERCHECK_NAGA"), "\nwgpu: ", env!("SHADERCHECK_WGPU"));
+#[cfg(feature = "drivers")]
+pub const VERBOSE: &str =
+    verbose!(", run, drivers", "\nnaga: ", env!("SHADERCHECK_NAGA"), "\nwgpu: ", env!("SHADERCHECK_WGPU"));
+/// Version, commit, target, profile, features and the version of what reads shaders.
+#[cfg(all(feature = "run", not(feature = "drivers")))]
+pub const VERBOSE: &str = verbose!(", run", "\nnaga: ", env!("SHADERCHECK_NAGA"));
 /// Version, commit, target, profile and features.
 #[cfg(not(feature = "run"))]
 pub const VERBOSE: &str = verbose!();
@@ -36,8 +40,8 @@ mod tests {
         assert!(named.iter().all(|(_, value)| !value.is_empty()), "{named:?}");
         let value = |name: &str| named.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
         let digits = |value: &str| value.split('.').all(|part| part.parse::<u32>().is_ok());
-        for library in ["naga", "wgpu"] {
-            assert_eq!(value(library).is_some_and(digits), cfg!(feature = "run"), "{VERBOSE}");
+        for (library, here) in [("naga", cfg!(feature = "run")), ("wgpu", cfg!(feature = "drivers"))] {
+            assert_eq!(value(library).is_some_and(digits), here, "{VERBOSE}");
         }
     }
 }

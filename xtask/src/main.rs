@@ -19,6 +19,7 @@ mod slurm;
 mod snapshots;
 mod tasks;
 mod vulkan;
+mod web;
 
 use std::ffi::OsString;
 use std::io::{self, Write};
@@ -51,6 +52,10 @@ usage: cargo xtask <task> [arguments]
                     into an empty folder and lint a shader with it; --program packages FILE, --lint builds the linter
                     alone; formats that are named are made, or else all whose tools are installed; --papers writes what
                     comes with the program to FOLDER, and packages nothing
+  web [--test] [--program FILE]
+                    build the program for WebAssembly and the page that runs it in a browser, in target/web/page; --test
+                    compares it with the program of this machine, or FILE, and tries the page in Chromium; needs npm, and
+                    a compiler for the web, which it names where there is none
   repository [ADDRESS]
                     check that the files say where the project is; write ADDRESS, such as https://github.com/NAME/shadercheck,
                     into all that name it
@@ -94,7 +99,8 @@ fn run(arguments: Vec<OsString>, messages: &mut dyn Write) -> Result<u8> {
     match task.as_ref().and_then(|t| t.to_str()) {
         // Arguments of the others go on to a program that has a help of its own.
         Some(
-            "tidy" | "book" | "editor" | "package" | "repository" | "soundness" | "survey" | "piglit" | "slurm-demo",
+            "tidy" | "book" | "editor" | "package" | "repository" | "soundness" | "survey" | "piglit" | "slurm-demo"
+            | "web",
         ) if rest.iter().any(|a| a == "--help" || a == "-h") => {
             io::stdout().write_all(USAGE.as_bytes())?;
             Ok(0)
@@ -106,6 +112,7 @@ fn run(arguments: Vec<OsString>, messages: &mut dyn Write) -> Result<u8> {
         Some("book") => book::run(&rest, messages),
         Some("editor") => editor::run(&rest, messages),
         Some("package") => package::run(&rest, messages),
+        Some("web") => web::run(&rest, messages),
         Some("repository") => repository::run(&rest, messages),
         Some("soundness") => tasks::soundness(&rest),
         #[cfg(unix)]

@@ -1,7 +1,7 @@
 //! What a node is in real numbers: with 320 bits, so that the difference of two nearly equal numbers of binary32 still has
 //! more digits than binary64.
 
-use astro_float::{BigFloat, Consts, RoundingMode};
+use astro_float::{BigFloat, Consts, RoundingMode, WORD_BIT_SIZE};
 
 use crate::term::{Binary, Node, Unary};
 
@@ -153,7 +153,10 @@ pub fn near(x: &Real) -> f64 {
             f64::NAN
         };
     };
-    let top = words[words.len() - 1] as f64 / 2f64.powi(64);
+    // A word has as many bits as the machine: 32 in a browser.
+    let upper =
+        words.iter().rev().take(64 / WORD_BIT_SIZE).fold(0_u128, |top, &w| top << WORD_BIT_SIZE | u128::from(w));
+    let top = upper as f64 / 2f64.powi(64);
     let exponent = exponent.clamp(-1000, 1000);
     let size = top * 2f64.powi(exponent / 2) * 2f64.powi(exponent - exponent / 2);
     if x.is_negative() { -size } else { size }

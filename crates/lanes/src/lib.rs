@@ -2,15 +2,22 @@
 //! one line of the registry.
 
 pub mod assembler;
+#[cfg(feature = "drivers")]
 mod buffers;
 pub mod compiler;
 pub mod embedded;
+#[cfg(feature = "drivers")]
 pub mod native;
 mod open;
+#[cfg(feature = "drivers")]
 pub mod opengl;
+#[cfg(feature = "drivers")]
 pub mod remote;
+#[cfg(feature = "drivers")]
 mod strips;
+#[cfg(feature = "drivers")]
 pub mod vulkan;
+#[cfg(feature = "drivers")]
 pub mod webgpu;
 pub mod worker;
 
@@ -44,10 +51,7 @@ pub struct Candidate {
 pub fn registry() -> &'static [Candidate] {
     static ALL: OnceLock<Vec<Candidate>> = OnceLock::new();
     ALL.get_or_init(|| {
-        let mut all = vulkan::candidates();
-        all.extend(opengl::candidates());
-        all.extend(native::candidates());
-        all.extend(webgpu::candidates());
+        let mut all = drivers();
         all.push(Candidate {
             name: "embedded",
             about: "interpreter in strict binary32, without any driver",
@@ -67,10 +71,40 @@ pub fn registry() -> &'static [Candidate] {
         all
     })
 }
+
+/// Lanes of drivers.
+#[cfg(feature = "drivers")]
+fn drivers() -> Vec<Candidate> {
+    let mut all = vulkan::candidates();
+    all.extend(opengl::candidates());
+    all.extend(native::candidates());
+    all.extend(webgpu::candidates());
+    all
+}
+
+/// How there come to be more lanes than these.
+#[cfg(feature = "drivers")]
+pub fn more(available: &[&Description]) -> Option<&'static str> {
+    (available.iter().all(|lane| lane.executor != vulkan::SWIFTSHADER)).then_some(vulkan::MORE)
+}
+
+/// How there come to be more lanes than these.
+#[cfg(not(feature = "drivers"))]
+pub fn more(_: &[&Description]) -> Option<&'static str> {
+    Some("this build has no lanes of drivers; those that run on a machine have them")
+}
+
+/// Lanes of drivers: none in a build without them.
+#[cfg(not(feature = "drivers"))]
+fn drivers() -> Vec<Candidate> {
+    Vec::new()
+}
+
 /// Refuses what no driver is asked for yet.
 ///
 /// # Errors
 /// [`LaneError::Unsupported`] for `f16` and operations of subgroups, which the embedded lane alone runs.
+#[cfg(feature = "drivers")]
 fn check_asked(kernel: &program::Kernel) -> Result<(), LaneError> {
     let what = match &*kernel.program {
         program if program.has_halves() => "16-bit floats",

@@ -111,7 +111,9 @@ impl Progress {
         self.end();
         let (name, on) = (name.to_owned(), (lane, stage));
         self.now = Some(Now { suite, name, on, samples, begun: Instant::now() });
-        self.bar.enable_steady_tick(Duration::from_millis(200));
+        if !self.bar.is_hidden() {
+            self.bar.enable_steady_tick(Duration::from_millis(200));
+        }
         self.at(0);
     }
 

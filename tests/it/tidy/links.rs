@@ -7,7 +7,7 @@ use super::{Fault, File, expect_none, file, messages, project};
 const PAGES: &str = "docs/book/src";
 
 /// Folders of the project that a path in a document may start with.
-const ROOTS: [&str; 12] = [
+const ROOTS: [&str; 13] = [
     ".ci/",
     "crates/",
     "deploy/",
@@ -19,6 +19,7 @@ const ROOTS: [&str; 12] = [
     "src/",
     "tests/",
     "upstream/",
+    "web/",
     "xtask/",
 ];
 

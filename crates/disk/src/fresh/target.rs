@@ -153,6 +153,7 @@ fn end_of_links(path: &Path) -> io::Result<PathBuf> {
 /// A regular file may have been written before, and others may write to it: replacing it, or writing at its beginning,
 /// would lose that.
 #[derive(Clone, Copy)]
+#[cfg_attr(not(unix), expect(dead_code, reason = "only Unix has paths that stand for open files"))]
 struct Descriptor {
     number: u32,
     /// It is of this process.

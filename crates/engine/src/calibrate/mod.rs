@@ -282,21 +282,18 @@ impl MeasuredDevice {
         while from < range.end || last.is_some() {
             let to = range.end.min(from + step);
             let (op, width) = (self.op, self.width);
-            let (part, next) = std::thread::scope(|scope| {
-                let tallying = last
-                    .as_ref()
-                    .map(|(batch, actual)| scope.spawn(|| dispatch_tally(judge, op, width, batch, actual)));
-                let next = (from < to).then(|| {
+            let mut part = None;
+            let next = rayon::in_place_scope(|scope| {
+                if let Some((batch, actual)) = &last {
+                    scope.spawn(|_| part = Some(dispatch_tally(judge, op, width, batch, actual)));
+                }
+                (from < to).then(|| {
                     self.fill(&mut spare, from..to);
                     self.runner.run(&spare)
-                });
-                (tallying.map(|thread| thread.join()), next)
+                })
             });
-            match part {
-                Some(Ok(part)) => tally.merge(&part),
-                // A defect of ours, shown as what it is.
-                Some(Err(panic)) => std::panic::resume_unwind(panic),
-                None => {}
+            if let Some(part) = part {
+                tally.merge(&part);
             }
             let free = last.take().map(|(batch, _)| batch);
             if let Some(actual) = next {

@@ -8,6 +8,7 @@
 //! triggers it. An invocation that the interpreter finds to be endless is named without that search.
 
 mod frame;
+#[cfg(feature = "drivers")]
 mod line;
 pub mod tool;
 
@@ -31,6 +32,7 @@ use super::{LaneError, interrupt};
 use base::value::{Batch, Record};
 
 pub use frame::{Frame, read_frame, write_frame};
+#[cfg(feature = "drivers")]
 pub(crate) use line::{HeldJob, Line, Process, SharedLine};
 
 /// Bytes of the error output of a process that are kept.
