@@ -7,6 +7,7 @@ import { PANES, type Pane, TARGETS } from "./panes";
 import { problems } from "./problems";
 import type { Files } from "./program";
 import { load, Runner } from "./runner";
+import { example } from "./rule";
 import { packed, type State, unpacked } from "./state";
 import { terminal } from "./terminal";
 
@@ -17,6 +18,7 @@ const at = (id: string) => document.getElementById(id) as HTMLElement;
 const [result, bar, status] = [at("result"), at("bar"), at("state")];
 
 let state: State = first();
+const tabs = new Map<string, HTMLButtonElement>();
 let target = TARGETS[0] ?? "wgsl";
 let findings: Finding[] = [];
 let pause = 0;
@@ -29,8 +31,8 @@ const [linter, runner] = [new Runner(program), new Runner(program)];
 const editor = new Editor(at("editor"), typed, explain, repair);
 
 function first(): State {
-  const [example] = EXAMPLES;
-  return { files: example?.files ?? [], at: 0, pane: example?.pane ?? "problems" };
+  const [shown] = EXAMPLES;
+  return { files: shown?.files ?? [], at: 0, pane: shown?.pane ?? "problems" };
 }
 
 function current(): { name: string; text: string } {
@@ -98,8 +100,13 @@ function repair(finding: Finding): void {
 
 async function explain(code: string): Promise<void> {
   const ended = await runner.run(["--color", "always", "explain", code], {});
-  const back = button("Back to the problems", () => pane("problems"));
-  bar.replaceChildren(back);
+  const parts = [button("Back to the problems", () => pane("problems"))];
+  for (const part of ["Bad", "Good"] as const) {
+    const files = example(ended.out, part);
+    if (files.length === 0) continue;
+    parts.push(button(`Open the ${part.toLowerCase()} example`, () => restore({ files, at: 0, pane: "problems" })));
+  }
+  bar.replaceChildren(...parts);
   result.replaceChildren(terminal(ended.out + ended.err, jump));
 }
 
@@ -117,7 +124,11 @@ async function runPane(chosen: Pane): Promise<void> {
   try {
     const ended = await runner.run(args, texts());
     told = `status ${ended.status}, ${((performance.now() - begun) / 1000).toFixed(2)} s`;
-    if (state.pane === chosen.id) result.replaceChildren(terminal(ended.err + ended.out, jump));
+    if (state.pane === chosen.id) {
+      const block = terminal(ended.err + ended.out, jump);
+      block.classList.toggle("wide", chosen.table === true);
+      result.replaceChildren(block);
+    }
   } catch (error) {
     told = words(error);
   }
@@ -154,18 +165,23 @@ function pane(id: string): void {
   result.replaceChildren(problems(findings, { jump, explain, repair }));
 }
 
+/** Marks the pane that is shown. The tabs stay: one that is replaced while it is clicked loses the click. */
 function panes(): void {
+  for (const [id, tab] of tabs) tab.ariaSelected = String(id === state.pane);
   const count = findings.length === 0 ? "" : ` (${findings.length})`;
-  const all = [{ id: "problems", title: `Problems${count}`, about: "What is wrong, without running anything." }, ...PANES];
-  at("panes").replaceChildren(
-    ...all.map(({ id, title, about }) => {
-      const tab = button(title, () => pane(id));
-      tab.title = about;
-      tab.role = "tab";
-      tab.ariaSelected = String(id === state.pane);
-      return tab;
-    }),
-  );
+  const problems = tabs.get("problems");
+  if (problems !== undefined) problems.textContent = `Problems${count}`;
+}
+
+function makeTabs(): void {
+  const first = { id: "problems", title: "Problems", about: "What is wrong, without running anything." };
+  for (const { id, title, about } of [first, ...PANES]) {
+    const tab = button(title, () => pane(id));
+    tab.title = about;
+    tab.role = "tab";
+    tabs.set(id, tab);
+    at("panes").append(tab);
+  }
 }
 
 /** Shows a file. */
@@ -178,7 +194,7 @@ function show(index: number): void {
 }
 
 function files(): void {
-  const tabs = state.files.map(({ name }, k) => {
+  const open = state.files.map(({ name }, k) => {
     const tab = button(name, () => (k === state.at ? rename(k) : show(k)));
     tab.ariaCurrent = String(k === state.at);
     if (k === state.at) tab.title = "Click to rename; the ending tells the language and the stage";
@@ -187,7 +203,7 @@ function files(): void {
   const more = button("+", add);
   more.title = "Add a file";
   more.ariaLabel = "Add a file";
-  at("files").replaceChildren(...tabs, more);
+  at("files").replaceChildren(...open, more);
 }
 
 function add(): void {
@@ -255,17 +271,27 @@ function restore(restored: State): void {
   void lint();
 }
 
+/** The bad example of the rule of `#rule=T001`. */
+async function ofRule(fragment: string): Promise<State | undefined> {
+  const code = /^#rule=(\w+)$/.exec(fragment)?.[1];
+  if (code === undefined) return undefined;
+  const page = await runner.run(["explain", code], {});
+  const files = example(page.out, "Bad");
+  return files.length === 0 ? undefined : { files, at: 0, pane: "problems" };
+}
+
 async function begin(): Promise<void> {
+  makeTabs();
   const choice = at("examples") as HTMLSelectElement;
   choice.append(...EXAMPLES.map(({ title }, k) => new Option(title, String(k))));
   choice.onchange = () => {
-    const example = EXAMPLES[Number(choice.value)];
-    if (choice.value !== "" && example !== undefined) restore({ files: example.files, at: 0, pane: example.pane });
+    const chosen = EXAMPLES[Number(choice.value)];
+    if (choice.value !== "" && chosen !== undefined) restore({ files: chosen.files, at: 0, pane: chosen.pane });
   };
   at("share").onclick = () => void share();
   let opened = state;
   try {
-    opened = (await unpacked(location.hash)) ?? state;
+    opened = (await unpacked(location.hash)) ?? (await ofRule(location.hash)) ?? state;
   } catch {
     say("The link is damaged: it was cut, or is of another page. An example is shown instead.", true);
   }

@@ -15,6 +15,8 @@ export interface Pane {
   title: string;
   /** What it does, in a sentence. */
   about: string;
+  /** Its result is a table, whose lines are not broken. */
+  table?: true;
   /** The command line; where it lacks something, what that is. */
   args(shown: Shown): string[] | string;
 }
@@ -34,6 +36,7 @@ export const PANES: Pane[] = [
     id: "trace",
     title: "Trace",
     about: "Shows where the value of the smallest failing case goes wrong, expression after expression.",
+    table: true,
     args: ({ file }) => [...text, "trace", file],
   },
   {
@@ -46,12 +49,14 @@ export const PANES: Pane[] = [
     id: "tune",
     title: "Tune",
     about: "Finds which declarations may be mediump on phones, and which must be highp.",
+    table: true,
     args: ({ file }) => [...text, "tune", file],
   },
   {
     id: "check",
     title: "Check",
     about: "Runs the suites: every output of a shader compared with its formula, within derived bounds.",
+    table: true,
     args: ({ names }) => {
       const suites = names.filter((name) => name.endsWith(SUITE));
       return suites.length > 0 ? [...text, "check", ...suites] : `No suite is open: add a file NAME${SUITE}.`;

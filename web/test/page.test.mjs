@@ -69,6 +69,13 @@ test("a rule has its page", async () => {
   const page = await opened();
   await (await page.waitForSelector(".problems .error .code")).click();
   await page.waitForFunction(() => document.querySelector("#result .terminal")?.textContent.includes("T001"));
+  await (await page.waitForSelector("::-p-xpath(//div[@id='bar']/button[.='Open the good example'])")).click();
+  await page.waitForFunction(() => document.querySelector("#result .none") !== null);
+});
+
+test("an address names a rule, whose example is opened", async () => {
+  const page = await opened("#rule=H001");
+  await page.waitForFunction(() => document.querySelector(".problems")?.textContent.includes("H001"));
 });
 
 test("fuzz finds the race of a kernel, and its places lead to the line", async () => {

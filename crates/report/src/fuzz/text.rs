@@ -304,6 +304,12 @@ pub fn totals(summary: &Summary, notes: bool, color: bool) -> String {
             "help: inputs that never come are left out by a comment before the function, `// shadercheck: x in [0, 1]`, or by `--domain x=[0,1]`"
         );
     }
+    if summary.files.iter().flat_map(|file| &file.functions).flat_map(|one| &one.findings).any(has_case) {
+        let _ = writeln!(
+            text,
+            "help: a `reproduce` line with `trace` in the place of `fuzz` shows the expression at which the value goes wrong"
+        );
+    }
     let failed = totals.findings + totals.broken > 0;
     let (word, paint) = if failed { ("fail", style.bad) } else { ("ok", style.good) };
     let verb = if totals.broken == 1 { "does" } else { "do" };
@@ -322,6 +328,12 @@ pub fn totals(summary: &Summary, notes: bool, color: bool) -> String {
         counted(totals.warnings as u64, "warning")
     );
     text
+}
+
+/// True for what is no note and has a case of a function that `trace` takes.
+fn has_case(finding: &Finding) -> bool {
+    let takes = |command: &String| command.contains(" --case ");
+    finding.severity != Severity::Note && finding.reproduce.as_ref().is_some_and(takes)
 }
 
 /// Lanes that did not run functions which others ran, with the reason, and how many functions.
