@@ -2,6 +2,7 @@
 
 import { Editor } from "./editor";
 import { EXAMPLES } from "./examples";
+import { button, fileBar, take, type Changes } from "./files";
 import { edited, type Finding } from "./finding";
 import { PANES, type Pane, TARGETS } from "./panes";
 import { problems } from "./problems";
@@ -12,13 +13,17 @@ import { packed, type State, unpacked } from "./state";
 import { terminal } from "./terminal";
 
 /** How long the visitor must pause before the linter runs, in milliseconds. */
-const PAUSE = 150;
+const PAUSE = 40;
+
+/** How much the linter tells, as its option has it. */
+const LEVELS = ["default", "strict", "heuristic"];
 
 const at = (id: string) => document.getElementById(id) as HTMLElement;
 const [result, bar, status] = [at("result"), at("bar"), at("state")];
 
 let state: State = first();
 const tabs = new Map<string, HTMLButtonElement>();
+let level = "default";
 let target = TARGETS[0] ?? "wgsl";
 let findings: Finding[] = [];
 let pause = 0;
@@ -61,7 +66,7 @@ async function lint(): Promise<void> {
   while (changed) {
     changed = false;
     try {
-      const ended = await linter.run(["lint", ...names(), "--format", "json", "--exit-zero"], texts());
+      const ended = await linter.run(["lint", ...names(), "--level", level, "--format", "json", "--exit-zero"], texts());
       if (ended.status !== 0) throw new Error(ended.err);
       findings = JSON.parse(ended.out) as Finding[];
       if (state.pane === "problems") result.replaceChildren(problems(findings, { jump, explain, repair }));
@@ -120,36 +125,42 @@ async function runPane(chosen: Pane): Promise<void> {
   const stop = button("Stop", () => runner.stop("stopped"));
   const begun = performance.now();
   bar.replaceChildren(stop, "running…");
-  let told: string;
+  let outcome: string;
   try {
     const ended = await runner.run(args, texts());
-    told = `status ${ended.status}, ${((performance.now() - begun) / 1000).toFixed(2)} s`;
+    outcome = `status ${ended.status}, ${((performance.now() - begun) / 1000).toFixed(2)} s`;
     if (state.pane === chosen.id) {
       const block = terminal(ended.err + ended.out, jump);
       block.classList.toggle("wide", chosen.table === true);
       result.replaceChildren(block);
     }
   } catch (error) {
-    told = words(error);
+    outcome = words(error);
   }
-  if (state.pane === chosen.id) controls(chosen, told);
+  if (state.pane === chosen.id) controls(chosen, outcome);
 }
 
-function controls(chosen: Pane, told: string): void {
+function controls(chosen: Pane, outcome: string): void {
   const run = button("Run", () => void runPane(chosen));
   run.className = "run";
   const parts: (HTMLElement | string)[] = [run];
   if (chosen.id === "translate") {
-    const choice = document.createElement("select");
-    choice.setAttribute("aria-label", "Language");
-    choice.append(...TARGETS.map((name) => new Option(name, name, false, name === target)));
-    choice.onchange = () => {
-      target = choice.value;
+    const choose = (name: string) => {
+      target = name;
       void runPane(chosen);
     };
-    parts.push(choice);
+    parts.push(choice("Language", TARGETS, target, choose));
   }
-  bar.replaceChildren(...parts, told);
+  bar.replaceChildren(...parts, outcome);
+}
+
+/** A list of words of which one is chosen. */
+function choice(label: string, words: string[], now: string, choose: (word: string) => void): HTMLSelectElement {
+  const made = document.createElement("select");
+  made.setAttribute("aria-label", label);
+  made.append(...words.map((word) => new Option(word, word, false, word === now)));
+  made.onchange = () => choose(made.value);
+  return made;
 }
 
 /** Shows a pane; those that have to be asked run at once. */
@@ -161,7 +172,11 @@ function pane(id: string): void {
     void runPane(chosen);
     return;
   }
-  bar.replaceChildren("What is wrong, without running anything. It is told while you type.");
+  const choose = (word: string) => {
+    level = word;
+    void lint();
+  };
+  bar.replaceChildren(choice("Level", LEVELS, level, choose), "What is wrong, without running anything, while you type.");
   result.replaceChildren(problems(findings, { jump, explain, repair }));
 }
 
@@ -190,63 +205,17 @@ function show(index: number): void {
   const { name, text } = current();
   editor.open(name, text);
   mark();
-  files();
+  at("files").replaceChildren(...fileBar(state.files, index, changes));
 }
 
-function files(): void {
-  const open = state.files.map(({ name }, k) => {
-    const tab = button(name, () => (k === state.at ? rename(k) : show(k)));
-    tab.ariaCurrent = String(k === state.at);
-    if (k === state.at) tab.title = "Click to rename; the ending tells the language and the stage";
-    return tab;
-  });
-  const more = button("+", add);
-  more.title = "Add a file";
-  more.ariaLabel = "Add a file";
-  at("files").replaceChildren(...open, more);
-}
-
-function add(): void {
-  const name = named("Name of the file; its ending tells its language and stage", "shader.frag");
-  if (name === undefined) return;
-  state.files = [...state.files, { name, text: "" }];
-  show(state.files.length - 1);
-  void lint();
-}
-
-function rename(index: number): void {
-  const before = state.files[index]?.name ?? "";
-  const name = named("Name of the file; nothing removes it", before, true);
-  if (name === undefined || name === before) return;
-  if (name === "") state.files = state.files.filter((_, k) => k !== index);
-  else state.files = state.files.map((file, k) => (k === index ? { ...file, name } : file));
-  if (state.files.length === 0) state.files = [{ name: "shader.frag", text: "" }];
-  show(Math.min(index, state.files.length - 1));
-  void lint();
-}
-
-/** Asks for a name that no other file has; nothing where the visitor changed his mind. */
-function named(question: string, proposed: string, mayBeEmpty = false): string | undefined {
-  const name = window.prompt(question, proposed)?.trim();
-  if (name === undefined || (name === "" && !mayBeEmpty)) return undefined;
-  const taken = name !== proposed || !mayBeEmpty;
-  if (taken && state.files.some((file) => file.name === name)) {
-    window.alert(`There is a file ${name}.`);
-    return undefined;
-  }
-  if (/^\/|\.\.|\\/.test(name)) {
-    window.alert("A name has no leading slash, no `..` and no backslash.");
-    return undefined;
-  }
-  return name;
-}
-
-function button(text: string, click: () => void): HTMLButtonElement {
-  const made = document.createElement("button");
-  made.textContent = text;
-  made.onclick = click;
-  return made;
-}
+const changes: Changes = {
+  change(files, index) {
+    state = { ...state, files };
+    show(index);
+    void lint();
+  },
+  refuse: (why) => say(why, true),
+};
 
 async function share(): Promise<void> {
   const fragment = await packed(state);
@@ -282,12 +251,18 @@ async function ofRule(fragment: string): Promise<State | undefined> {
 
 async function begin(): Promise<void> {
   makeTabs();
-  const choice = at("examples") as HTMLSelectElement;
-  choice.append(...EXAMPLES.map(({ title }, k) => new Option(title, String(k))));
-  choice.onchange = () => {
-    const chosen = EXAMPLES[Number(choice.value)];
-    if (choice.value !== "" && chosen !== undefined) restore({ files: chosen.files, at: 0, pane: chosen.pane });
+  const list = at("examples") as HTMLSelectElement;
+  list.append(...EXAMPLES.map(({ title }, k) => new Option(title, String(k))));
+  list.onchange = () => {
+    const chosen = EXAMPLES[Number(list.value)];
+    if (list.value !== "" && chosen !== undefined) restore({ files: chosen.files, at: 0, pane: chosen.pane });
   };
+  at("editor").addEventListener("dragover", (event) => event.preventDefault());
+  at("editor").addEventListener("drop", (event) => {
+    event.preventDefault();
+    event.stopPropagation();
+    void take(state.files, event.dataTransfer?.files, changes);
+  }, { capture: true });
   at("share").onclick = () => void share();
   let opened = state;
   try {

@@ -118,6 +118,26 @@ test("a suite runs, and a port with slips is unlike its original", async () => {
   await shot(page, "compare");
 });
 
+test("a file of the visitor is opened, renamed and removed, and a stricter level tells more", async () => {
+  const page = await opened();
+  await page.waitForSelector(".problems li");
+  const press = (name) => page.waitForSelector(`::-p-xpath(//nav[@id='files']/button[.='${name}'])`).then((b) => b.click());
+  const [chooser] = await Promise.all([page.waitForFileChooser(), press("Open")]);
+  await chooser.accept([join(import.meta.dirname, "../../fixtures/web/wave.js")]);
+  await page.waitForFunction(() => document.querySelector(".cm-content")?.textContent.includes("A wave in three.js"));
+  page.once("dialog", (dialog) => dialog.accept("other.js"));
+  await press("Rename");
+  await page.waitForSelector("::-p-xpath(//nav[@id='files']/button[.='other.js'])");
+  const count = () => page.$$eval(".problems li", (all) => all.length);
+  await page.waitForFunction(() => document.querySelector(".problems")?.textContent.includes("other.js"));
+  const before = await count();
+  await page.select("#bar select", "strict");
+  await page.waitForFunction((n) => document.querySelectorAll(".problems li").length > n, {}, before);
+  page.once("dialog", (dialog) => dialog.accept());
+  await press("Remove");
+  await page.waitForFunction(() => document.querySelectorAll("#files button:not(.file)").length === 1);
+});
+
 test("a pane that lacks a file says which", async () => {
   const page = await opened();
   await tab(page, "Check");
