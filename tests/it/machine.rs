@@ -19,7 +19,7 @@ fn the_version_names_what_a_report_of_a_fault_needs() {
             let version = long.lines().find_map(|line| line.strip_prefix(&format!("{library}: "))).unwrap();
             assert!(lock.contains(&format!("name = \"{library}\"\nversion = \"{version}\"\n")), "{long}");
         }
-        assert!(long.contains("\ncommit: ") && long.contains("\nfeatures: lint, run\n"), "{long}");
+        assert!(long.contains("\ncommit: ") && long.contains("\nfeatures: lint, run, drivers\n"), "{long}");
     }
     assert!(run("--verbose lint .").expect(2).err.contains("--version"));
 }

@@ -1,7 +1,7 @@
 //! N037: a divisor kept from 0 by a number that is too small to help.
 
 use crate::rule::{Check, Findings, Level, Pages, Rule};
-use base::diagnostic::{Code, Severity, message};
+use base::diagnostic::{Code, Diagnostic, Severity, message};
 use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
@@ -39,15 +39,36 @@ fn added(shader: &Shader, sum: ExprId) -> Option<(f64, ExprId, ExprId)> {
     term(right, left).or_else(|| term(left, right))
 }
 
+/// A constant of a sum that the constant beside it swallows in binary32, and that constant.
+fn swallowed(shader: &Shader, sum: ExprId) -> Option<(ExprId, ExprId)> {
+    let ExprKind::Binary { op: op @ (BinaryOp::Add | BinaryOp::Sub), op_span: _, left, right } =
+        shader.expr(bare(shader, sum)).kind
+    else {
+        return None;
+    };
+    let single = |term: ExprId| constant(shader, term).map(|value| value as f32);
+    let (Some(a), Some(b)) = (single(left), single(right)) else {
+        return swallowed(shader, left).or_else(|| swallowed(shader, right));
+    };
+    let whole = if op == BinaryOp::Add { a + b } else { a - b };
+    let vanishes = |small: f32, large: f32| small != 0.0 && small.abs() < large.abs() && whole.abs() == large.abs();
+    vanishes(b, a).then_some((right, left)).or_else(|| vanishes(a, b).then_some((left, right)))
+}
+
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     let shader = &file.shader;
     let forms = Forms::new(shader);
     for (id, divisor) in divisions(shader) {
         let single = shader.type_of(divisor).scalar() == Some(ScalarType::Float);
-        let Some((value, small, other)) = added(shader, forms.value(divisor)).filter(|_| single) else { continue };
-        if shader.expr(id).from_macro {
+        if !single || shader.expr(id).from_macro {
             continue;
         }
+        let sum = forms.value(divisor);
+        if let Some((small, large)) = swallowed(shader, sum).filter(|_| constant(shader, sum).is_none()) {
+            findings.push(vanishing(file, findings, small, large));
+            continue;
+        }
+        let Some((value, small, other)) = added(shader, sum) else { continue };
         let (text, kept) = (shader.text_of(small), shader.text_of(other));
         let limit = number(value * GREATEST);
         findings.push(
@@ -70,6 +91,27 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     }
 }
 
+/// The finding of a constant that another one swallows.
+fn vanishing(file: &ShaderFile, findings: &Findings<'_>, small: ExprId, large: ExprId) -> Diagnostic {
+    let shader = &file.shader;
+    let (text, beside) = (shader.text_of(small), shader.text_of(large));
+    findings
+        .at(
+            &file.file,
+            shader.expr(small).span,
+            message!("adding `{text}` does not protect the division", "`{text}` を足しても除算は守られません"),
+        )
+        .with_label(message!("lost beside `{beside}`", "`{beside}` の横で失われる"))
+        .with_why(message!(
+            "in binary32 the sum of both is `{beside}`: where the rest takes that away, the divisor is 0",
+            "binary32 では両者の和は `{beside}` です。残りの項がそれを打ち消すところで除数は 0 になります"
+        ))
+        .with_help(message!(
+            "add it last, to the difference that may be 0: `({beside} - …) + {text}`",
+            "0 になりうる差に、最後に足してください: `({beside} - …) + {text}`"
+        ))
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::numeric::testing::{rings, silent};
@@ -81,6 +123,25 @@ mod tests {
             "N037",
             Level::Default,
             &["r = s / (t + 1e-32);", "v = p / (1e-37 + length(q));", "float d = t + 1e-31; r = s / d;"],
+        );
+    }
+
+    #[test]
+    fn numbers_that_another_one_swallows_are_reported() {
+        rings(
+            "N037",
+            Level::Default,
+            &["r = s / (1e-10 + 1.0 - t);", "r = s / (1.0 + 1e-10 - t);", "v = p / (2.0 - 1e-9 - length(q));"],
+        );
+        silent(
+            "N037",
+            Level::Heuristic,
+            &[
+                "r = s / (1.0 - t + 1e-10);",
+                "r = s / (1e-6 + 1.0 - t);",
+                "r = s / (1.0 + 1e-10);",
+                "r = s * (1e-10 + 1.0 - t);",
+            ],
         );
     }
 
