@@ -3,7 +3,7 @@
 import { HighlightStyle, StreamLanguage, syntaxHighlighting } from "@codemirror/language";
 import { clike, shader } from "@codemirror/legacy-modes/mode/clike";
 import { type Diagnostic, lintGutter, setDiagnostics } from "@codemirror/lint";
-import { Compartment, EditorState } from "@codemirror/state";
+import { EditorState, type Extension } from "@codemirror/state";
 import { EditorView } from "@codemirror/view";
 import { tags } from "@lezer/highlight";
 import { basicSetup } from "codemirror";
@@ -43,8 +43,8 @@ const colours = HighlightStyle.define([
 
 export class Editor {
   #view: EditorView;
-  #language = new Compartment();
-  #quiet = false;
+  #extensions: Extension[];
+  #name = "";
 
   /** `changed` is told what the visitor types, `explain` which code he asks for, `repair` which repair he takes. */
   constructor(
@@ -53,33 +53,28 @@ export class Editor {
     private readonly explain: (code: string) => void,
     private readonly repair: (finding: Finding) => void,
   ) {
-    this.#view = new EditorView({
-      parent,
-      state: EditorState.create({
-        extensions: [
-          basicSetup,
-          lintGutter(),
-          syntaxHighlighting(colours),
-          this.#language.of([]),
-          EditorView.updateListener.of((update) => {
-            if (update.docChanged && !this.#quiet) changed(update.state.doc.toString());
-          }),
-          EditorView.contentAttributes.of({ "aria-label": "Shader", spellcheck: "false" }),
-        ],
+    this.#extensions = [
+      basicSetup,
+      lintGutter(),
+      syntaxHighlighting(colours),
+      EditorView.updateListener.of((update) => {
+        if (update.docChanged) changed(update.state.doc.toString());
       }),
-    });
+      EditorView.contentAttributes.of({ "aria-label": "Shader", spellcheck: "false" }),
+    ];
+    this.#view = new EditorView({ parent });
   }
 
-  /** Shows a file. */
+  /** Shows a file. What is undone later is of this file alone; a repair of the file that is shown can be undone. */
   open(name: string, text: string): void {
-    const language = name.endsWith(".wgsl") ? wgsl : shader;
-    this.#quiet = true;
-    this.#view.dispatch(
-      { changes: { from: 0, to: this.#view.state.doc.length, insert: text } },
-      { effects: this.#language.reconfigure(StreamLanguage.define(language)) },
-    );
-    this.#quiet = false;
-    this.show([]);
+    const doc = this.#view.state.doc;
+    if (name !== this.#name) {
+      const language = StreamLanguage.define(name.endsWith(".wgsl") ? wgsl : shader);
+      this.#view.setState(EditorState.create({ doc: text, extensions: [...this.#extensions, language] }));
+    } else if (text !== doc.toString()) {
+      this.#view.dispatch({ changes: { from: 0, to: doc.length, insert: text } });
+    }
+    this.#name = name;
   }
 
   /** Marks the findings of the file that is shown. */

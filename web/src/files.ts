@@ -4,6 +4,8 @@ import type { Open } from "./state";
 
 /** What the page does when files change. */
 export interface Changes {
+  /** The files as they are now: what was typed since the bar was made is in them. */
+  files(): Open[];
   /** Other files are open, or another one is shown. */
   change(files: Open[], at: number): void;
   /** What could not be done. */
@@ -25,26 +27,28 @@ export function button(text: string, click: () => void): HTMLButtonElement {
 /** The tabs of files, with one that is shown, and the buttons behind them. */
 export function fileBar(files: Open[], at: number, changes: Changes): HTMLElement[] {
   const tabs = files.map(({ name }, k) => {
-    const tab = button(name, () => changes.change(files, k));
+    const tab = button(name, () => changes.change(changes.files(), k));
     tab.ariaCurrent = String(k === at);
     return tab;
   });
   const add = () => {
-    const name = named(files, "shader.frag");
-    if (name !== undefined) changes.change([...files, { name, text: "" }], files.length);
+    const now = changes.files();
+    const name = named(now, "shader.frag");
+    if (name !== undefined) changes.change([...now, { name, text: "" }], now.length);
   };
   const rename = () => {
-    const name = named(files, files[at]?.name ?? "", at);
-    if (name !== undefined) changes.change(files.map((file, k) => (k === at ? { ...file, name } : file)), at);
+    const now = changes.files();
+    const name = named(now, now[at]?.name ?? "", at);
+    if (name !== undefined) changes.change(now.map((file, k) => (k === at ? { ...file, name } : file)), at);
   };
   const remove = () => {
     if (!window.confirm(`Remove ${files[at]?.name} from this page?`)) return;
-    const kept = files.filter((_, k) => k !== at);
+    const kept = changes.files().filter((_, k) => k !== at);
     changes.change(kept.length > 0 ? kept : [{ name: "shader.frag", text: "" }], Math.max(0, Math.min(at, kept.length - 1)));
   };
   const own = [
     button("New", add),
-    button("Open", () => choose(files, changes)),
+    button("Open", () => choose(changes)),
     button("Rename", rename),
     button("Remove", remove),
   ];
@@ -53,25 +57,25 @@ export function fileBar(files: Open[], at: number, changes: Changes): HTMLElemen
 }
 
 /** Takes files of the visitor, which stay in the page: beside those that are open, instead of those of the same names. */
-export async function take(files: Open[], list: FileList | null | undefined, changes: Changes): Promise<void> {
+export async function take(list: FileList | null | undefined, changes: Changes): Promise<void> {
   const read = [...(list ?? [])].map(async (file) => {
     if (file.size > LARGEST) throw new Error(`${file.name} is larger than a megabyte`);
     return { name: file.name, text: await file.text() };
   });
   try {
     const taken = await Promise.all(read);
-    const kept = files.filter(({ name }) => taken.every((file) => file.name !== name));
+    const kept = changes.files().filter(({ name }) => taken.every((file) => file.name !== name));
     if (taken.length > 0) changes.change([...kept, ...taken], kept.length);
   } catch (error) {
     changes.refuse(error instanceof Error ? error.message : String(error));
   }
 }
 
-function choose(files: Open[], changes: Changes): void {
+function choose(changes: Changes): void {
   const input = document.createElement("input");
   input.type = "file";
   input.multiple = true;
-  input.onchange = () => void take(files, input.files, changes);
+  input.onchange = () => void take(input.files, changes);
   input.click();
 }
 

@@ -27,6 +27,8 @@ let level = "default";
 let target = TARGETS[0] ?? "wgsl";
 let findings: Finding[] = [];
 let pause = 0;
+/** Runs of panes so far: what an earlier one gives is not shown. */
+let runs = 0;
 let linting = false;
 let changed = false;
 
@@ -104,7 +106,7 @@ function repair(finding: Finding): void {
 }
 
 async function explain(code: string): Promise<void> {
-  const ended = await runner.run(["--color", "always", "explain", code], {});
+  const ended = await linter.run(["--color", "always", "explain", code], {});
   const parts = [button("Back to the problems", () => pane("problems"))];
   for (const part of ["Bad", "Good"] as const) {
     const files = example(ended.out, part);
@@ -116,6 +118,9 @@ async function explain(code: string): Promise<void> {
 }
 
 async function runPane(chosen: Pane): Promise<void> {
+  const mine = ++runs;
+  // Nobody waits for the run before it.
+  if (runner.busy) runner.stop("stopped for another run");
   const args = chosen.args({ file: current().name, names: names(), target });
   result.replaceChildren();
   if (typeof args === "string") {
@@ -128,16 +133,15 @@ async function runPane(chosen: Pane): Promise<void> {
   let outcome: string;
   try {
     const ended = await runner.run(args, texts());
+    if (mine !== runs || state.pane !== chosen.id) return;
     outcome = `status ${ended.status}, ${((performance.now() - begun) / 1000).toFixed(2)} s`;
-    if (state.pane === chosen.id) {
-      const block = terminal(ended.err + ended.out, jump);
-      block.classList.toggle("wide", chosen.table === true);
-      result.replaceChildren(block);
-    }
+    const block = terminal(ended.err + ended.out, jump);
+    block.classList.toggle("wide", chosen.table === true);
+    result.replaceChildren(block);
   } catch (error) {
     outcome = words(error);
   }
-  if (state.pane === chosen.id) controls(chosen, outcome);
+  if (mine === runs && state.pane === chosen.id) controls(chosen, outcome);
 }
 
 function controls(chosen: Pane, outcome: string): void {
@@ -209,6 +213,7 @@ function show(index: number): void {
 }
 
 const changes: Changes = {
+  files: () => state.files,
   change(files, index) {
     state = { ...state, files };
     show(index);
@@ -244,7 +249,7 @@ function restore(restored: State): void {
 async function ofRule(fragment: string): Promise<State | undefined> {
   const code = /^#rule=(\w+)$/.exec(fragment)?.[1];
   if (code === undefined) return undefined;
-  const page = await runner.run(["explain", code], {});
+  const page = await linter.run(["explain", code], {});
   const files = example(page.out, "Bad");
   return files.length === 0 ? undefined : { files, at: 0, pane: "problems" };
 }
@@ -261,7 +266,7 @@ async function begin(): Promise<void> {
   at("editor").addEventListener("drop", (event) => {
     event.preventDefault();
     event.stopPropagation();
-    void take(state.files, event.dataTransfer?.files, changes);
+    void take(event.dataTransfer?.files, changes);
   }, { capture: true });
   at("share").onclick = () => void share();
   let opened = state;

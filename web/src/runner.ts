@@ -44,6 +44,11 @@ export class Runner {
     });
   }
 
+  /** True while a run has not ended. */
+  get busy(): boolean {
+    return this.#waiting.size > 0;
+  }
+
   /** Ends what runs; the thread is started again. */
   stop(why: string): void {
     this.#worker.then((worker) => worker.terminate(), () => undefined);

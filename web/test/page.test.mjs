@@ -118,6 +118,26 @@ test("a suite runs, and a port with slips is unlike its original", async () => {
   await shot(page, "compare");
 });
 
+test("what was typed stays when another file is shown, and undoing is of one file", async () => {
+  const page = await opened();
+  await example(page, "Two stages that do not fit");
+  const press = (name) => page.waitForSelector(`::-p-xpath(//nav[@id='files']/button[.='${name}'])`).then((b) => b.click());
+  const has = (words) =>
+    page.waitForFunction((w) => document.querySelector(".cm-content")?.textContent.includes(w), {}, words);
+  await has("A plant that the wind moves");
+  await page.click(".cm-content");
+  await page.keyboard.type("// of the visitor");
+  await press("scene.frag");
+  await has("A lamp with a soft edge");
+  await page.click(".cm-content");
+  await page.keyboard.down("Control");
+  await page.keyboard.press("z");
+  await page.keyboard.up("Control");
+  assert.match(await text(page, ".cm-content"), /A lamp with a soft edge/);
+  await press("scene.vert");
+  await has("// of the visitor");
+});
+
 test("a file of the visitor is opened, renamed and removed, and a stricter level tells more", async () => {
   const page = await opened();
   await page.waitForSelector(".problems li");
