@@ -28,6 +28,16 @@ pub fn cargo<S: AsRef<OsStr>>(arguments: impl IntoIterator<Item = S>) -> Command
     command
 }
 
+/// npm in a folder. Scripts of packages are not run where it installs: none of them is needed.
+pub fn npm(folder: &Path) -> Command {
+    let mut command = Command::new(if cfg!(windows) { "npm.cmd" } else { "npm" });
+    command.current_dir(folder);
+    command
+}
+
+/// What npm installs the packages of a lock file with.
+pub const NPM_CI: &[&str] = &["ci", "--ignore-scripts", "--no-audit", "--no-fund"];
+
 /// Builds the program in the profile of development; gives its path.
 pub fn program(target: &Path) -> Result<PathBuf> {
     let failed = status(&mut cargo(["build", "--quiet", "--package", "shadercheck", "--bin", "shadercheck"]))?;

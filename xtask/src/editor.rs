@@ -2,12 +2,10 @@
 
 use std::ffi::OsString;
 use std::io::Write;
-use std::path::Path;
-use std::process::Command;
 
 use anyhow::{Context, Result, bail, ensure};
 
-use crate::cargo::{program, status, target, workspace};
+use crate::cargo::{NPM_CI, npm, program, status, target, workspace};
 
 /// Installs what the lock file names, runs the tests, and makes `dist/shadercheck.vsix`.
 pub fn run(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
@@ -18,9 +16,9 @@ pub fn run(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
         _ => bail!("editor takes no argument but --program FILE"),
     };
     let folder = workspace.join("editors/vscode");
-    // Scripts of packages are not run: none of them is needed.
-    for arguments in [&["ci", "--ignore-scripts", "--no-audit", "--no-fund"][..], &["test"], &["run", "package"]] {
-        let failed = npm(arguments, &folder, &program)?;
+    for arguments in [NPM_CI, &["test"], &["run", "package"]] {
+        let failed =
+            status(npm(&folder).args(arguments).env("SHADERCHECK", &program)).context("npm comes with Node.js")?;
         if failed != 0 {
             return Ok(failed);
         }
@@ -29,10 +27,4 @@ pub fn run(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
     ensure!(made.is_file(), "there is no {}", made.display());
     writeln!(messages, "xtask: the extension is {}", made.display())?;
     Ok(0)
-}
-
-fn npm(arguments: &[&str], folder: &Path, program: &Path) -> Result<u8> {
-    let name = if cfg!(windows) { "npm.cmd" } else { "npm" };
-    let mut command = Command::new(name);
-    status(command.args(arguments).current_dir(folder).env("SHADERCHECK", program)).context("npm comes with Node.js")
 }

@@ -8,6 +8,7 @@ use std::io::{self, Write};
 
 use crate::host::{Host, on_path};
 use crate::vulkan::{self, Found};
+pub use needs::browser;
 use needs::{DRIVER, FOR_TESTS, Need, OPENGL, TRANSLATOR};
 pub use readers::{Packages, prepare_packages};
 

@@ -104,9 +104,7 @@ pub const FOR_TESTS: [(&str, Need); 8] = [
             what: "Chromium",
             without: "the page of a report is not looked at in a browser",
             ready: "Chromium is ready",
-            there: |host| {
-                ["chromium", "chromium-browser", "google-chrome"].iter().any(|name| on_path(host, name).is_some())
-            },
+            there: |host| browser(host).is_some(),
         },
     ),
     (
@@ -193,6 +191,11 @@ fn python(host: &dyn Host) -> bool {
     let libraries = || ["/usr/lib", "/usr/lib64"].into_iter().flat_map(|folder| host.list(Path::new(folder)));
     let complete = || libraries().filter(of_python).any(|folder| host.exists(&folder.join("ensurepip")));
     on_path(host, "python3").is_some_and(|program| !program.starts_with("/usr/bin") || complete())
+}
+
+/// Chromium or Chrome, by the first of its names.
+pub fn browser(host: &dyn Host) -> Option<PathBuf> {
+    ["chromium", "chromium-browser", "google-chrome"].iter().find_map(|name| on_path(host, name))
 }
 
 #[cfg(test)]

@@ -10,10 +10,9 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail, ensure};
 
-use crate::cargo::{program, status, target, workspace};
-
-/// Browsers that the tests may take, in this order.
-const BROWSERS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "chrome"];
+use crate::cargo::{NPM_CI, npm, program, status, target, workspace};
+use crate::host::{ThisMachine, on_path};
+use crate::setup::browser;
 
 /// What the command line asks for.
 #[derive(Debug, Default, PartialEq, Eq)]
@@ -50,8 +49,7 @@ pub fn run(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
     fs::create_dir_all(&page).with_context(|| format!("cannot make {}", page.display()))?;
     let wasm = toolchain::build(&folder, &build, messages)?;
     let wasm = smaller(&wasm, &build, messages)?;
-    // Scripts of packages are not run: none of them is needed.
-    for arguments in [&["ci", "--ignore-scripts", "--no-audit", "--no-fund"][..], &["run", "check"]] {
+    for arguments in [NPM_CI, &["run", "check"]] {
         let failed = npm(&folder).args(arguments).status().context("npm comes with Node.js")?;
         ensure!(failed.success(), "`npm {}` failed in {}", arguments.join(" "), folder.display());
     }
@@ -63,19 +61,13 @@ pub fn run(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
         return Ok(0);
     }
     let native = arguments.program.map_or_else(|| program(&target(&workspace)?), Ok)?;
-    let browser = BROWSERS.iter().find_map(|name| on_path(name)).context("the tests need Chromium or Chrome")?;
+    let browser = browser(&ThisMachine).context("the tests need Chromium or Chrome")?;
     status(npm(&folder).arg("test").env("DIST", &page).env("SHADERCHECK", native).env("CHROMIUM", browser))
-}
-
-fn npm(folder: &Path) -> Command {
-    let mut command = Command::new(if cfg!(windows) { "npm.cmd" } else { "npm" });
-    command.current_dir(folder);
-    command
 }
 
 /// The program as `wasm-opt` makes it smaller, where that is installed.
 fn smaller(wasm: &Path, build: &Path, messages: &mut dyn Write) -> Result<PathBuf> {
-    let Some(tool) = on_path("wasm-opt") else {
+    let Some(tool) = on_path(&ThisMachine, "wasm-opt") else {
         writeln!(messages, "xtask: `wasm-opt` is not installed (binaryen): the page is larger than it need be")?;
         return Ok(wasm.to_owned());
     };
@@ -83,12 +75,6 @@ fn smaller(wasm: &Path, build: &Path, messages: &mut dyn Write) -> Result<PathBu
     let failed = status(Command::new(tool).args(["-Os", "--all-features"]).arg(wasm).arg("-o").arg(&to))?;
     ensure!(failed == 0, "wasm-opt cannot read {}", wasm.display());
     Ok(to)
-}
-
-/// A program that the environment's path leads to.
-fn on_path(name: &str) -> Option<PathBuf> {
-    let path = std::env::var_os("PATH")?;
-    std::env::split_paths(&path).map(|folder| folder.join(name)).find(|file| file.is_file())
 }
 
 fn sizes(page: &Path, messages: &mut dyn Write) -> Result<()> {

@@ -1,7 +1,7 @@
 //! N037: a divisor kept from 0 by a number that is too small to help.
 
 use crate::rule::{Check, Findings, Level, Pages, Rule};
-use base::diagnostic::{Code, Diagnostic, Severity, message};
+use base::diagnostic::{Code, Message, Severity, message};
 use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
@@ -64,52 +64,51 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
             continue;
         }
         let sum = forms.value(divisor);
-        if let Some((small, large)) = swallowed(shader, sum).filter(|_| constant(shader, sum).is_none()) {
-            findings.push(vanishing(file, findings, small, large));
+        let beside = || swallowed(shader, sum).filter(|_| constant(shader, sum).is_none());
+        let Some((small, reasons)) = beside()
+            .map(|(small, large)| (small, vanishing(shader.text_of(small), shader.text_of(large))))
+            .or_else(|| added(shader, sum).map(|(value, small, other)| (small, tiny(value, shader.text_of(other)))))
+        else {
             continue;
-        }
-        let Some((value, small, other)) = added(shader, sum) else { continue };
-        let (text, kept) = (shader.text_of(small), shader.text_of(other));
-        let limit = number(value * GREATEST);
-        findings.push(
-            findings
-                .at(
-                    &file.file,
-                    shader.expr(small).span,
-                    message!("adding `{text}` does not protect the division", "`{text}` を足しても除算は守られません"),
-                )
-                .with_label(message!("too small", "小さすぎる"))
-                .with_why(message!(
-                    "where `{kept}` is 0, a numerator above {limit} gives infinity; elsewhere the sum is rounded to `{kept}`",
-                    "`{kept}` が 0 のところでは分子が {limit} を超えると無限大になり、他では和が `{kept}` に丸められます"
-                ))
-                .with_help(message!(
-                    "divide by `max({kept}, …)` with the least value that makes sense, or branch on 0",
-                    "意味のある最小値を使って `max({kept}, …)` で割るか、0 のときを分けてください"
-                )),
-        );
+        };
+        let text = shader.text_of(small);
+        let message =
+            message!("adding `{text}` does not protect the division", "`{text}` を足しても除算は守られません");
+        let [label, why, help] = reasons;
+        let found = findings.at(&file.file, shader.expr(small).span, message);
+        findings.push(found.with_label(label).with_why(why).with_help(help));
     }
 }
 
-/// The finding of a constant that another one swallows.
-fn vanishing(file: &ShaderFile, findings: &Findings<'_>, small: ExprId, large: ExprId) -> Diagnostic {
-    let shader = &file.shader;
-    let (text, beside) = (shader.text_of(small), shader.text_of(large));
-    findings
-        .at(
-            &file.file,
-            shader.expr(small).span,
-            message!("adding `{text}` does not protect the division", "`{text}` を足しても除算は守られません"),
-        )
-        .with_label(message!("lost beside `{beside}`", "`{beside}` の横で失われる"))
-        .with_why(message!(
+/// Label, reason and help for a constant that another one swallows.
+fn vanishing(text: &str, beside: &str) -> [Message; 3] {
+    [
+        message!("lost beside `{beside}`", "`{beside}` の横で失われる"),
+        message!(
             "in binary32 the sum of both is `{beside}`: where the rest takes that away, the divisor is 0",
             "binary32 では両者の和は `{beside}` です。残りの項がそれを打ち消すところで除数は 0 になります"
-        ))
-        .with_help(message!(
+        ),
+        message!(
             "add it last, to the difference that may be 0: `({beside} - …) + {text}`",
             "0 になりうる差に、最後に足してください: `({beside} - …) + {text}`"
-        ))
+        ),
+    ]
+}
+
+/// Label, reason and help for a constant that is too small beside anything.
+fn tiny(value: f64, kept: &str) -> [Message; 3] {
+    let limit = number(value * GREATEST);
+    [
+        message!("too small", "小さすぎる"),
+        message!(
+            "where `{kept}` is 0, a numerator above {limit} gives infinity; elsewhere the sum is rounded to `{kept}`",
+            "`{kept}` が 0 のところでは分子が {limit} を超えると無限大になり、他では和が `{kept}` に丸められます"
+        ),
+        message!(
+            "divide by `max({kept}, …)` with the least value that makes sense, or branch on 0",
+            "意味のある最小値を使って `max({kept}, …)` で割るか、0 のときを分けてください"
+        ),
+    ]
 }
 
 #[cfg(test)]
