@@ -20,6 +20,7 @@ use clap::{Args, ValueEnum};
 
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
+use crate::cli::test;
 use crate::cli::waiting::Waiting;
 use base::text::Shown;
 use disk::fresh;
@@ -51,7 +52,8 @@ finite or too wide, or the API promises nothing there. The report gives the reas
 Exit status: 0 clean; 1 findings; 2 usage, a suite that is wrong, a lane of --lane or --require-lane that is unavailable, \
 or nothing could be run.")]
 pub struct CheckArgs {
-    /// Suite files (*.suite.toml), shaders with suites beside them, folders that are searched, and shipped suites by name
+    /// Suite files (*.suite.toml), shaders with suites beside them, folders that are searched, and shipped suites by name;
+    /// shaders without a suite that have tests, which `test` runs
     /// [default: the current folder]
     #[arg(value_name = "SUITE|PATH")]
     pub suites: Vec<String>,
@@ -209,7 +211,21 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         "a shard has no whole report; with --shard, --format is text or json"
     );
     let _waiting = Waiting::begin();
-    let mut selected = select::select(&args.suites, args.shipped)?;
+    let mut selected = match select::select(&args.suites, args.shipped) {
+        Ok(selected) => selected,
+        // Shaders without a suite may have tests of their own.
+        Err(error) => {
+            let paths: Vec<PathBuf> = args.suites.iter().map(PathBuf::from).collect();
+            let tests = test::TestArgs {
+                paths: if paths.is_empty() { vec![PathBuf::from(".")] } else { paths },
+                lane: args.lane.clone(),
+                profile: test::PROFILE.to_owned(),
+                format: args.format.clone(),
+                ..Default::default()
+            };
+            return if !args.shipped && tests.applies() { test::run(&tests, out, err, color) } else { Err(error) };
+        }
+    };
     if args.strict_literals {
         selected.iter_mut().for_each(|one| one.suite.literals = Literals::Exact);
     }

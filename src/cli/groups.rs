@@ -6,7 +6,7 @@ use clap::Command;
 
 /// Headings with the commands below each.
 const GROUPS: [(&str, &[&str]); 4] = [
-    ("Every day", &["lint", "fuzz", "trace", "check", "compare", "lsp", "mcp"]),
+    ("Every day", &["lint", "fuzz", "trace", "test", "check", "compare", "lsp", "mcp"]),
     ("Suites", &["init", "mutate", "explain"]),
     ("Numbers", &["improve", "tune", "calibrate", "refdata"]),
     ("Machines", &["lanes", "translate", "torture", "merge", "completions"]),

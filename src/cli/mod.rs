@@ -55,6 +55,8 @@ pub mod refdata;
 pub mod shard;
 pub mod status;
 #[cfg(feature = "run")]
+pub mod test;
+#[cfg(feature = "run")]
 pub mod torture;
 #[cfg(feature = "run")]
 pub mod trace;
@@ -163,8 +165,8 @@ fn lang(given: Option<LangName>) -> Lang {
 /// Words that options and reports use.
 #[cfg(feature = "run")]
 const WORDS: &str = "\
-A lane is a driver, or the interpreter that is built in, together with a way to run shaders on it; `shadercheck lanes` \
-lists them. A suite says which inputs a shader gets and what its outputs should be.";
+A lane is a driver, or the interpreter that is built in, with a way to run shaders on it; `shadercheck lanes` \
+lists them. A suite says which inputs a shader gets and what comes out.";
 
 /// Test shaders like other code, on a machine without a GPU
 ///
@@ -197,6 +199,9 @@ pub enum Command {
     /// Show where the value of a failing case goes wrong, expression after expression
     #[cfg(feature = "run")]
     Trace(trace::TraceArgs),
+    /// Run the tests that stand in shaders
+    #[cfg(feature = "run")]
+    Test(test::TestArgs),
     /// Compare functions of two shader texts, in any two languages
     #[cfg(feature = "run")]
     Compare(compare::CompareArgs),
@@ -258,6 +263,7 @@ impl Command {
             Self::Check(_)
                 | Self::Fuzz(_)
                 | Self::Trace(_)
+                | Self::Test(_)
                 | Self::Compare(_)
                 | Self::Improve(_)
                 | Self::Lanes(_)
@@ -274,6 +280,7 @@ impl Command {
             self,
             Self::Check(_)
                 | Self::Fuzz(_)
+                | Self::Test(_)
                 | Self::Compare(_)
                 | Self::Improve(_)
                 | Self::Tune(_)
@@ -321,6 +328,8 @@ pub fn run(cli: &Cli) -> ExitStatus {
         Command::Fuzz(args) => fuzz::run(args, &mut out, &mut err, color),
         #[cfg(feature = "run")]
         Command::Trace(args) => trace::run(args, &mut out, &mut err, color),
+        #[cfg(feature = "run")]
+        Command::Test(args) => test::run(args, &mut out, &mut err, color),
         #[cfg(feature = "run")]
         Command::Compare(args) => compare::run(args, &mut out, &mut err, color),
         #[cfg(feature = "run")]

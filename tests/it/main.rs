@@ -78,6 +78,7 @@ mod translated;
 mod translated_stages;
 mod tune;
 mod undefined;
+mod unit_tests;
 mod upstream;
 mod variants;
 mod webgpu;

@@ -69,7 +69,7 @@ fn tools_are_listed_and_give_the_json_of_their_commands() {
     client.send("{\"jsonrpc\":\"2.0\",\"method\":\"notifications/initialized\"}");
     let tools = client.ask(1, "tools/list", json!({}))["result"]["tools"].clone();
     let names: Vec<&str> = tools.as_array().unwrap().iter().map(|tool| tool["name"].as_str().unwrap()).collect();
-    assert_eq!(names, ["lint", "fuzz", "trace", "check", "compare", "improve", "tune", "explain"]);
+    assert_eq!(names, ["lint", "fuzz", "trace", "test", "check", "compare", "improve", "tune", "explain"]);
     // What is found is no error of the call.
     let found = client.call(2, "lint", json!({ "paths": ["."] }));
     assert_eq!(found["isError"], false);

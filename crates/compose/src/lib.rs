@@ -35,6 +35,7 @@ use base::diagnostic::{Code, Diagnostic, Severity, message};
 use base::text::{SourceFile, Span};
 pub use features::features;
 pub use import::{ModulePath, Origin};
+pub use link::ASSERTIONS;
 pub use syntax::include::Wanted;
 use syntax::{TokenKind, errors};
 

@@ -19,6 +19,16 @@ pub(crate) type Item = (usize, usize);
 /// Modules that may be read for one text; more is a mistake in a library.
 const MOST_MODULES: usize = 4096;
 
+/// The package with the assertions of tests that stand in a shader: ours, whatever lies in a folder, since ours are what the
+/// program that runs the tests reads.
+pub const ASSERTIONS: &str = "wgsl_test";
+
+/// The module of [`ASSERTIONS`].
+fn assertions(path: &ModulePath) -> Option<SourceFile> {
+    let is_it = path.origin == Origin::Named && path.names == [ASSERTIONS];
+    is_it.then(|| SourceFile::new(ASSERTIONS, include_str!("wgsl_test.wgsl")))
+}
+
 /// How the name of the file begins that stands for the package `constants`.
 const CONSTANTS: &str = "constants of ";
 
@@ -230,7 +240,8 @@ impl Linker<'_> {
         if let Some(known) = self.by_path.get(&key) {
             return *known;
         }
-        let file = self.library.module(&author, path).or_else(|| self.constants(&author, path));
+        let file = assertions(path).or_else(|| self.library.module(&author, path));
+        let file = file.or_else(|| self.constants(&author, path));
         let found = file.and_then(|file| self.load(&file, &path.shown()));
         self.by_path.insert(key, found);
         found

@@ -216,6 +216,28 @@ pub fn outwards(folder: &Path) -> (Vec<PathBuf>, Option<usize>) {
     (found, project)
 }
 
+/// True for the folder of a package: it is called so, or its manifest says so. Names of packages may have `-` where those in
+/// a path have `_`.
+fn is_called(folder: &Path, package: &str) -> bool {
+    let own = folder.file_name().map(ToOwned::to_owned);
+    let own = own.or_else(|| Some(folder.canonicalize().ok()?.file_name()?.to_owned()));
+    let is_it = |name: &str| name.replace('-', "_") == package;
+    if own.is_some_and(|own| is_it(&own.to_string_lossy())) {
+        return true;
+    }
+    let text =
+        |name: &str| read_source(&folder.join(name)).ok().map(|text| String::from_utf8_lossy(&text).into_owned());
+    let said = |manifest: &str| -> Option<String> {
+        let table: toml::Table = text(manifest)?.parse().ok()?;
+        Some(table.get("package")?.get("name")?.as_str()?.to_owned())
+    };
+    let json = || -> Option<String> {
+        let value: serde_json::Value = serde_json::from_str(&text("package.json")?).ok()?;
+        Some(value.get("name")?.as_str()?.rsplit('/').next()?.to_owned())
+    };
+    said("wesl.toml").or_else(|| said("Cargo.toml")).or_else(json).is_some_and(|name| is_it(&name))
+}
+
 /// The folder that the nearest `wesl.toml` names as the root of its package.
 fn stated_root(folders: &[PathBuf]) -> Option<PathBuf> {
     let (folder, text) = folders.iter().find_map(|folder| {
@@ -320,8 +342,7 @@ impl Library for Modules {
                 let (package, names) = path.names.split_first()?;
                 let mut roots = Vec::new();
                 for folder in self.folders.iter().chain(&around) {
-                    let named = folder.file_name().is_some_and(|own| own.to_string_lossy() == *package);
-                    let own = named.then(|| folder.clone());
+                    let own = is_called(folder, package).then(|| folder.clone());
                     let inside = PACKAGES.iter().map(|packages| folder.join(packages).join(package));
                     for package in own.into_iter().chain(inside).filter(|package| package.is_dir()) {
                         roots.extend(stated_root(std::slice::from_ref(&package)));
@@ -423,6 +444,20 @@ mod tests {
         let files = [("main.wesl", "import lib::c::y; fn f() { y(); }"), ("far/lib/shaders/c.wesl", "fn y() {}")];
         assert!(composed(&files, &["far"]).ends_with("fn y() {}"));
         assert!(composed(&files, &[]).starts_with("E070 main.wesl:1:16 no module is found for `lib::c::y`"));
+    }
+
+    #[test]
+    fn a_package_is_called_as_its_manifest_says() {
+        let main = ("x/test/main.wesl", "import some_lib::c::y; fn f() { y(); }");
+        for manifest in [
+            ("x/package.json", "{ \"name\": \"@scope/some-lib\" }"),
+            ("x/Cargo.toml", "[package]\nname = \"some-lib\"\n"),
+            ("x/wesl.toml", "[package]\nname = \"some_lib\"\n"),
+        ] {
+            assert!(composed(&[main, manifest, ("x/c.wesl", "fn y() {}")], &[]).ends_with("fn y() {}"), "{manifest:?}");
+        }
+        let other = ("x/package.json", "{ \"name\": \"other\" }");
+        assert!(composed(&[main, other, ("x/c.wesl", "fn y() {}")], &[]).starts_with("E070"));
     }
 
     #[test]

@@ -24,5 +24,6 @@ pub mod suite;
 pub mod torture;
 pub mod trace;
 pub mod tune;
+pub mod unit_test;
 
 pub use input_value::InputValue;

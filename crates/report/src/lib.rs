@@ -28,4 +28,6 @@ pub mod trace;
 #[cfg(feature = "run")]
 pub mod tune;
 #[cfg(feature = "run")]
+pub mod unit_test;
+#[cfg(feature = "run")]
 mod word;

@@ -97,6 +97,14 @@ const TOOLS: &[Tool] = &[
     },
     #[cfg(feature = "run")]
     Tool {
+        name: "test",
+        about: "Run the tests that stand in shaders: functions of WGSL marked `@test`, comments of GLSL that begin with it. \
+                Tells expectations that fail, and those that a conforming device may break.",
+        takes: &[PATHS, TEXT, NAME, DEFINES],
+        always: JSON,
+    },
+    #[cfg(feature = "run")]
+    Tool {
         name: "check",
         about: "Run the suites of a folder: every output of a shader compared with its formula, within bounds that are derived.",
         takes: &[PATHS],

@@ -1,0 +1,234 @@
+//! `shadercheck test`: tests that stand in shaders.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser};
+
+use super::below;
+use super::check::profile;
+use super::compose::{ComposeArgs, Given};
+use super::fuzz::subjects;
+use super::includes;
+use super::lint::files::name;
+use super::status::ExitStatus;
+use super::waiting::Waiting;
+use base::text::{Shown as _, SourceFile};
+use engine::fuzz::Subject;
+use engine::unit_test::{self, Marked, Request};
+use lanes::{Lane, StandIn, Wanted, interrupt};
+use report::unit_test::{FileReport, Summary, TestReport, json, junit, line, text};
+use syntax::Stage;
+
+/// The profile that bounds are derived from where none is named.
+pub(super) const PROFILE: &str = "vulkan-1.4";
+
+/// Formats that tests have of their own; the others are those of diagnostics.
+const OWN: [(&str, &str); 3] =
+    [("text", "For people"), ("json", "For programs"), ("junit", "Test cases, for CI services")];
+/// Formats of diagnostics that make sense for a run of tests.
+const SHARED: [&str; 3] = ["github", "gitlab", "rdjson"];
+
+/// Arguments of `shadercheck test`.
+#[derive(Args, Clone, Debug, Default)]
+#[command(after_long_help = "\
+A test in WGSL is a function without parameters, marked `@test`, that calls the assertions of the package `wgsl_test` of \
+WESL: expect, expectEq, expectNear, expectWithin and expectUlp, with Vec2, Vec3 and Vec4 behind the last three for vectors.
+
+  import package::color::luminance;
+  import wgsl_test::expectNear;
+  @test fn white() { expectNear(luminance(vec3f(1.0)), 1.0); }
+
+In GLSL it is a comment that begins with `@test`; the same assertions take vectors as they are.
+
+  // @test white
+  // expectNear(luminance(vec3(1.0)), 1.0);
+
+A test is run by the interpreter and on a lane. An expectation that fails is an error; NaN is near nothing. One that holds \
+there, but is stricter than what a conforming device may be off, is a warning, with the tolerance that would do.
+
+Exit status: 0 all tests passed; 1 a test failed, or a file does not compile; 2 usage, or no test could be run.")]
+pub struct TestArgs {
+    /// Shader files, and folders to search for those with tests
+    #[arg(value_name = "PATH", default_value = ".")]
+    pub paths: Vec<PathBuf>,
+    /// Only tests whose name contains one of these
+    #[arg(long, value_name = "TEXT")]
+    pub filter: Vec<String>,
+    /// Count an expectation that a conforming device may break as a failure
+    #[arg(long)]
+    pub strict: bool,
+    /// Value of a macro, of a feature, or of an `override` constant of WGSL: `--define WIDTH=8`; repeatable
+    #[arg(short = 'D', long, value_name = "NAME=VALUE", value_parser = super::definition::definition)]
+    pub define: Vec<(String, String)>,
+    /// Folders to search for imported and included files
+    #[arg(short = 'I', long = "include", value_name = "FOLDER")]
+    pub include: Vec<PathBuf>,
+    /// What is stated about parts of texts in WGSL
+    #[command(flatten)]
+    pub compose: ComposeArgs,
+    /// Lanes, of those that `shadercheck lanes` lists [default: the first that runs a test]
+    #[arg(long, value_name = "LANE", value_delimiter = ',')]
+    pub lane: Vec<String>,
+    /// Run each test on every available lane
+    #[arg(long, conflicts_with = "lane")]
+    pub all_lanes: bool,
+    /// Profile for bounds: a shipped one by name, or a file that `calibrate` wrote
+    #[arg(long, value_name = "PROFILE", default_value = PROFILE)]
+    pub profile: String,
+    /// Format of the result
+    #[arg(long, value_parser = formats(), default_value = "text")]
+    pub format: String,
+}
+
+fn formats() -> PossibleValuesParser {
+    let shared = report::lint::FORMATS.iter().filter(|format| SHARED.contains(&format.name));
+    let own = OWN.into_iter().map(|(name, help)| PossibleValue::new(name).help(help));
+    PossibleValuesParser::new(own.chain(shared.map(|format| PossibleValue::new(format.name).help(format.summary))))
+}
+
+impl TestArgs {
+    /// True where each path has a test, and tests are reported in the format.
+    pub(super) fn applies(&self) -> bool {
+        let known = OWN.iter().map(|(name, _)| *name).chain(SHARED).any(|name| name == self.format);
+        known && marked(&self.paths).is_ok()
+    }
+}
+
+/// Runs the command: the result goes to `out`, notes and complaints to `err`.
+///
+/// # Errors
+/// When a file cannot be read, no file has a test, a lane is not available, or output fails.
+pub fn run(args: &TestArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
+    let _waiting = Waiting::begin();
+    let Some(profile) = profile::named(&args.profile)? else {
+        anyhow::bail!("--profile: tests are held against bounds; `none` has none");
+    };
+    let files = marked(&args.paths)?;
+    let opened = Wanted { stand_in: StandIn::Beside, ..Wanted::named(&args.lane) }.open()?;
+    let missing: Vec<String> = opened.missing.iter().map(|(name, why)| format!("lane `{name}`: {why}")).collect();
+    anyhow::ensure!(args.lane.is_empty() || missing.is_empty(), "{}", missing.join("; "));
+    let lanes: Vec<&dyn Lane> = opened.lanes.iter().map(AsRef::as_ref).collect();
+    let many = files.len() > 1;
+    let mut summary = Summary { files: Vec::new(), profile: profile.name.clone(), strict: args.strict };
+    for (path, file, marked) in files {
+        let request = Request {
+            lanes: &lanes,
+            all_lanes: args.all_lanes || !args.lane.is_empty(),
+            profile: &profile,
+            sites: &marked.sites,
+        };
+        let report = of_file(args, (&path, file, &marked), &request)?;
+        if args.format == "text" {
+            report.notes.iter().try_for_each(|note| writeln!(err, "note: {note}"))?;
+            if many {
+                writeln!(out, "{}", report.file.name())?;
+            }
+            report.tests.iter().try_for_each(|test| out.write_all(line(&summary, test, color).as_bytes()))?;
+            out.flush()?;
+        }
+        summary.files.push(report);
+        if interrupt::asked() {
+            break;
+        }
+    }
+    let printed = match args.format.as_str() {
+        "text" => text(&summary, color),
+        "json" => json(&summary),
+        "junit" => junit(&summary).map_err(anyhow::Error::msg)?,
+        other => {
+            let root = std::env::current_dir().ok().map(|folder| name(&folder));
+            let context = report::lint::Context { color, root, ..Default::default() };
+            let format = report::lint::by_name(other).context("there is no such format")?;
+            (format.write)(&summary.diagnostics(), &context)
+        }
+    };
+    out.write_all(printed.as_bytes())?;
+    let totals = summary.totals();
+    Ok(match interrupt::signal() {
+        Some(signal) => ExitStatus::Interrupted(signal),
+        None if totals.failed + totals.broken > 0 => ExitStatus::Findings,
+        None if totals.passed == 0 => {
+            writeln!(err, "error: no test could be run{}", if args.filter.is_empty() { "" } else { "; see --filter" })?;
+            ExitStatus::Error
+        }
+        None => ExitStatus::Clean,
+    })
+}
+
+/// Files with their tests.
+type MarkedFile = (PathBuf, SourceFile, Marked);
+
+/// The files that have tests. One that is named has to have some.
+fn marked(paths: &[PathBuf]) -> anyhow::Result<Vec<MarkedFile>> {
+    let mut found = Vec::new();
+    for path in paths {
+        let searched = path.is_dir();
+        let files = match searched {
+            true => below::files(path)?.into_iter().filter(|file| below::stage_of(file).is_some()).collect(),
+            false => vec![path.clone()],
+        };
+        let before = found.len();
+        for path in files {
+            match marked_file(&path) {
+                Ok(Some((file, marked))) => found.push((path, file, marked)),
+                // One file of many does not keep the others from being tested.
+                Ok(None) => {}
+                Err(_) if searched => {}
+                Err(error) => return Err(error),
+            }
+        }
+        anyhow::ensure!(
+            found.len() > before,
+            "`{}` has no test: mark a function of WGSL with `@test`, or begin a comment of GLSL with it; see `shadercheck \
+             test --help`",
+            path.shown()
+        );
+    }
+    Ok(found)
+}
+
+fn marked_file(path: &Path) -> anyhow::Result<Option<(SourceFile, Marked)>> {
+    let file = super::translate::read(path)?;
+    let stage = below::stage_of(path).unwrap_or(Stage::Library);
+    Ok(unit_test::mark(&file, stage).map(|marked| (file, marked)))
+}
+
+/// Runs the tests of a file.
+fn of_file(
+    args: &TestArgs,
+    (path, file, marked): (&Path, SourceFile, &Marked),
+    request: &Request<'_>,
+) -> anyhow::Result<FileReport> {
+    let compose = ComposeArgs { assign_bindings: true, ..args.compose.clone() };
+    let reading =
+        Given { folders: &args.include, defines: &args.define, compose: Some(&compose), entry: None, stage: None };
+    let source = includes::with_includes(&marked.file, path, &reading)?;
+    // Nothing stands for what a text lacks: a name that nothing declares is a mistake in a test.
+    let source = source.with_prelude(super::prelude(None));
+    let wanted = |name: &str| args.filter.is_empty() || args.filter.iter().any(|text| name.contains(text));
+    let tests: Vec<_> = marked.tests.iter().filter(|test| wanted(&test.name)).collect();
+    let mut report = FileReport { file, notes: source.notes(), errors: Vec::new(), tests: Vec::new() };
+    if tests.is_empty() {
+        return Ok(report);
+    }
+    let entries: Vec<String> = tests.iter().map(|test| test.entry.clone()).collect();
+    let (errors, subjects) = subjects((&entries, &args.define), &source, &mut Vec::new())?;
+    report.errors = errors;
+    for test in tests.into_iter().filter(|_| report.errors.is_empty()) {
+        let of_test = |subject: &&Subject| subject.name == test.entry;
+        let outcome = match (&test.refused, subjects.iter().find(of_test).map(|subject| &subject.ready)) {
+            (Some(why), _) => Err(why.clone()),
+            (None, Some(Ok(ready))) => unit_test::run(ready, request),
+            (None, Some(Err(why))) => Err(why.clone()),
+            (None, None) => Err("internal error, please report: it got lost".to_owned()),
+        };
+        report.tests.push(TestReport { name: test.name.clone(), span: test.span, outcome });
+        if interrupt::asked() {
+            break;
+        }
+    }
+    Ok(report)
+}
