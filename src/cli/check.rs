@@ -215,14 +215,7 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         Ok(selected) => selected,
         // Shaders without a suite may have tests of their own.
         Err(error) => {
-            let paths: Vec<PathBuf> = args.suites.iter().map(PathBuf::from).collect();
-            let tests = test::TestArgs {
-                paths: if paths.is_empty() { vec![PathBuf::from(".")] } else { paths },
-                lane: args.lane.clone(),
-                profile: test::PROFILE.to_owned(),
-                format: args.format.clone(),
-                ..Default::default()
-            };
+            let tests = test::TestArgs { lane: args.lane.clone(), ..test::TestArgs::of(&args.suites, &args.format) };
             return if !args.shipped && tests.applies() { test::run(&tests, out, err, color) } else { Err(error) };
         }
     };

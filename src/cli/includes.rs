@@ -145,6 +145,20 @@ pub fn read_all(path: &Path, given: &Given<'_>, stage: Option<Stage>) -> anyhow:
     printed.into_iter().map(text).collect()
 }
 
+/// A text in GLSL, and one that names no version under one that has what it uses.
+pub fn read_glsl(file: &SourceFile, stage: Stage, defines: &[(String, String)]) -> Parsed {
+    let parsed = Shader::parse_with(file, stage, defines);
+    if parsed.shader.version().span.is_some() {
+        return parsed;
+    }
+    // A text that asks for OpenGL ES is for phones and browsers.
+    if let Some(es) = reading::es::reading(&parsed.shader) {
+        return es;
+    }
+    let fitted = syntax::fitting(file, stage, defines, || None);
+    if fitted == *file { parsed } else { Shader::parse_with(&fitted, stage, defines) }
+}
+
 impl IncludedText {
     /// The author's file, which may hold other shaders or other text as well.
     ///
@@ -179,16 +193,7 @@ impl IncludedText {
     fn parsed_with(&self, defines: &[(String, String)], completed: &Completed) -> Parsed {
         let all: Vec<(String, String)> = defines.iter().cloned().chain(completed.macros()).collect();
         let (defines, file) = (&all[..], completed.put(&self.file));
-        let parsed = Shader::parse_with(&file, self.stage, defines);
-        if parsed.shader.version().span.is_some() {
-            return parsed;
-        }
-        // A text that asks for OpenGL ES is for phones and browsers.
-        if let Some(es) = reading::es::reading(&parsed.shader) {
-            return es;
-        }
-        let fitted = syntax::fitting(&file, self.stage, defines, || None);
-        if fitted == file { parsed } else { Shader::parse_with(&fitted, self.stage, defines) }
+        read_glsl(&file, self.stage, defines)
     }
 
     /// What to tell of the version that is taken for a text which names none: a compute shader, or one that asks for OpenGL ES.

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::check::Format;
 use super::check::select::{self, Selected};
+use super::test::{self, TestArgs};
 use crate::cli::shard::{Printed, Printing, ShardArgs, Terminal};
 use crate::cli::status::ExitStatus;
 use base::diagnostic::Lang;
@@ -29,8 +30,8 @@ const SAMPLES: u64 = 1 << 16;
 /// Arguments of `shadercheck mutate`.
 #[derive(Args, Clone, Debug, Default)]
 pub struct MutateArgs {
-    /// Suite files (*.suite.toml), shaders with suites beside them, folders that are searched, and shipped suites by name
-    /// [default: the current folder]
+    /// Suite files (*.suite.toml), shaders with suites beside them, folders that are searched, and shipped suites by name;
+    /// shaders without a suite that have tests [default: the current folder]
     #[arg(value_name = "SUITE|FILE")]
     pub suites: Vec<String>,
     /// Also all suites that come with shadercheck
@@ -85,7 +86,15 @@ pub fn run(args: &MutateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyho
     }
     let shard = args.sharing.shard()?;
     let operators = operators(&args.operator)?;
-    let mut selected = select(&args.suites, args.shipped)?;
+    let mut selected = match select(&args.suites, args.shipped) {
+        Ok(selected) => selected,
+        // Shaders without a suite may have tests of their own.
+        Err(error) => {
+            let tests = TestArgs::of(&args.suites, "text");
+            let plain = !args.shipped && args.shader.is_none() && shard.is_none();
+            return if plain && tests.applies() { of_tests(args, &tests, &operators, out, err) } else { Err(error) };
+        }
+    };
     anyhow::ensure!(
         args.shader.is_none() || selected.len() == 1,
         "--shader needs exactly one suite, and {} are chosen",
@@ -107,6 +116,29 @@ pub fn run(args: &MutateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyho
     let part = ShardResult { lane: on.clone(), suites: Vec::new() };
     let key = |shards| identity(args, shards, &on, &selected);
     args.sharing.run(&mut work, part, key, &mut Terminal::new(args.format, false, out, err))
+}
+
+/// Mutants of what tests call that stand in shaders.
+fn of_tests(
+    args: &MutateArgs,
+    tests: &TestArgs,
+    operators: &[&'static Operator],
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+) -> anyhow::Result<ExitStatus> {
+    let summary = test::mutants(tests, operators, err)?;
+    let printed = match args.format {
+        Format::Json => json(&summary),
+        Format::Text => text(&summary),
+    };
+    out.write_all(printed.as_bytes())?;
+    let share = summary.score().share();
+    Ok(match interrupt::signal() {
+        Some(signal) => ExitStatus::Interrupted(signal),
+        None if !summary.failed.is_empty() => ExitStatus::Error,
+        None if share.map_or(args.floor > 0.0, |share| 100.0 * share < args.floor) => ExitStatus::Findings,
+        None => ExitStatus::Clean,
+    })
 }
 
 /// Everything that the result of a run depends on.

@@ -11,19 +11,23 @@ use super::below;
 use super::check::profile;
 use super::compose::{ComposeArgs, Given};
 use super::fuzz::subjects;
-use super::includes;
+use super::includes::{self, IncludedText};
 use super::lint::files::name;
 use super::status::ExitStatus;
 use super::waiting::Waiting;
+use base::diagnostic::{Diagnostic, Severity};
 use base::text::{Shown as _, SourceFile};
-use engine::fuzz::Subject;
-use engine::unit_test::{self, Marked, Request};
-use lanes::{Lane, StandIn, Wanted, interrupt};
+use engine::fuzz::{self, Subject};
+use engine::mutate::Operator;
+use engine::unit_test::{self, Marked, Passing, Request, UnitTest};
+use lanes::{Lane, StandIn, Wanted, embedded, interrupt};
+use program::{ModuleText, Written};
+use report::mutate::Summary as Mutated;
 use report::unit_test::{FileReport, Summary, TestReport, json, junit, line, text};
 use syntax::Stage;
 
 /// The profile that bounds are derived from where none is named.
-pub(super) const PROFILE: &str = "vulkan-1.4";
+const PROFILE: &str = "vulkan-1.4";
 
 /// Formats that tests have of their own; the others are those of diagnostics.
 const OWN: [(&str, &str); 3] =
@@ -90,6 +94,13 @@ fn formats() -> PossibleValuesParser {
 }
 
 impl TestArgs {
+    /// The tests of these paths, or of the current folder.
+    pub(super) fn of(paths: &[String], format: &str) -> Self {
+        let paths: Vec<PathBuf> = paths.iter().map(PathBuf::from).collect();
+        let paths = if paths.is_empty() { vec![PathBuf::from(".")] } else { paths };
+        Self { paths, profile: PROFILE.to_owned(), format: format.to_owned(), ..Self::default() }
+    }
+
     /// True where each path has a test, and tests are reported in the format.
     pub(super) fn applies(&self) -> bool {
         let known = OWN.iter().map(|(name, _)| *name).chain(SHARED).any(|name| name == self.format);
@@ -120,7 +131,7 @@ pub fn run(args: &TestArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
             profile: &profile,
             sites: &marked.sites,
         };
-        let report = of_file(args, (&path, file, &marked), &request)?;
+        let report = of_file(args, file, &read(args, &path, &marked)?, &request)?;
         if args.format == "text" {
             report.notes.iter().try_for_each(|note| writeln!(err, "note: {note}"))?;
             if many {
@@ -196,12 +207,14 @@ fn marked_file(path: &Path) -> anyhow::Result<Option<(SourceFile, Marked)>> {
     Ok(unit_test::mark(&file, stage).map(|marked| (file, marked)))
 }
 
-/// Runs the tests of a file.
-fn of_file(
-    args: &TestArgs,
-    (path, file, marked): (&Path, SourceFile, &Marked),
-    request: &Request<'_>,
-) -> anyhow::Result<FileReport> {
+/// A file with its tests as it is read, and the tests that are wanted.
+struct ReadFile<'m> {
+    source: IncludedText,
+    tests: Vec<&'m UnitTest>,
+}
+
+/// Reads a file with its tests.
+fn read<'m>(args: &TestArgs, path: &Path, marked: &'m Marked) -> anyhow::Result<ReadFile<'m>> {
     let compose = ComposeArgs { assign_bindings: true, ..args.compose.clone() };
     let reading =
         Given { folders: &args.include, defines: &args.define, compose: Some(&compose), entry: None, stage: None };
@@ -209,15 +222,24 @@ fn of_file(
     // Nothing stands for what a text lacks: a name that nothing declares is a mistake in a test.
     let source = source.with_prelude(super::prelude(None));
     let wanted = |name: &str| args.filter.is_empty() || args.filter.iter().any(|text| name.contains(text));
-    let tests: Vec<_> = marked.tests.iter().filter(|test| wanted(&test.name)).collect();
+    Ok(ReadFile { source, tests: marked.tests.iter().filter(|test| wanted(&test.name)).collect() })
+}
+
+/// Runs the tests of a file.
+fn of_file(
+    args: &TestArgs,
+    file: SourceFile,
+    ReadFile { source, tests }: &ReadFile<'_>,
+    request: &Request<'_>,
+) -> anyhow::Result<FileReport> {
     let mut report = FileReport { file, notes: source.notes(), errors: Vec::new(), tests: Vec::new() };
     if tests.is_empty() {
         return Ok(report);
     }
     let entries: Vec<String> = tests.iter().map(|test| test.entry.clone()).collect();
-    let (errors, subjects) = subjects((&entries, &args.define), &source, &mut Vec::new())?;
+    let (errors, subjects) = subjects((&entries, &args.define), source, &mut Vec::new())?;
     report.errors = errors;
-    for test in tests.into_iter().filter(|_| report.errors.is_empty()) {
+    for test in tests.iter().filter(|_| report.errors.is_empty()) {
         let of_test = |subject: &&Subject| subject.name == test.entry;
         let outcome = match (&test.refused, subjects.iter().find(of_test).map(|subject| &subject.ready)) {
             (Some(why), _) => Err(why.clone()),
@@ -231,4 +253,68 @@ fn of_file(
         }
     }
     Ok(report)
+}
+
+/// Plants faults in what the tests of files call. Tests that fail, or cannot be run, are told and left out.
+///
+/// # Errors
+/// When a file cannot be read or has no test, or output fails.
+pub(super) fn mutants(
+    args: &TestArgs,
+    operators: &[&'static Operator],
+    err: &mut dyn Write,
+) -> anyhow::Result<Mutated> {
+    let profile = profile::named(PROFILE)?.context("there is no such profile")?;
+    let mut all = Mutated { lane: embedded::STRICT.to_owned(), ..Mutated::default() };
+    for (path, file, marked) in marked(&args.paths)? {
+        let request = Request { lanes: &[], all_lanes: false, profile: &profile, sites: &marked.sites };
+        let read = read(args, &path, &marked)?;
+        let report = of_file(args, file, &read, &request)?;
+        let name = report.file.name().to_owned();
+        if !report.errors.is_empty() {
+            all.failed.push((name, "it does not compile; `shadercheck test` says why".to_owned()));
+            continue;
+        }
+        let mut passing = Vec::new();
+        for (test, of) in read.tests.iter().zip(&report.tests) {
+            match &of.outcome {
+                Ok(ran) if !of.fails() => passing.push(Passing { test, ran }),
+                Ok(_) => writeln!(err, "note: {name}: `{}` fails, and is left out", of.name)?,
+                Err(why) => writeln!(err, "note: {name}: `{}` is left out: {why}", of.name)?,
+            }
+        }
+        let ReadFile { source, .. } = &read;
+        let found = match Written::of(&source.file) {
+            Written::Glsl => {
+                let (stage, parsed) = (source.stage, source.parsed(&args.define));
+                let build = |file: &SourceFile, entries: &[String]| {
+                    let parsed = includes::read_glsl(file, stage, &args.define);
+                    first_error(&parsed.diagnostics)?;
+                    fuzz::subjects(&parsed.shader, &|name| entries.iter().any(|own| own == name)).map_err(|bad| bad.why)
+                };
+                unit_test::mutate(&parsed.shader, &passing, operators, &build)
+            }
+            _ => {
+                let text = source.module().map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
+                let values = source.values(&text, &args.define);
+                let build = |file: &SourceFile, entries: &[String]| {
+                    let text = ModuleText::read(file, Written::Wgsl).map_err(|error| error.to_string())?;
+                    let wanted = |name: &str| entries.iter().any(|own| own == name);
+                    fuzz::subjects_of_module(&text, &values, &wanted).map_err(|bad| bad.why)
+                };
+                let tree = text.tree().context("the text has no syntax tree")?;
+                unit_test::mutate(tree, &passing, operators, &build)
+            }
+        };
+        all.suites.extend(found);
+        if interrupt::asked() {
+            break;
+        }
+    }
+    Ok(all)
+}
+
+fn first_error(found: &[Diagnostic]) -> Result<(), String> {
+    let first = found.iter().find(|own| own.severity == Severity::Error);
+    first.map_or(Ok(()), |first| Err(first.message.to_string()))
 }

@@ -90,6 +90,9 @@ fn expectations_of_wgsl_hold_or_are_told_at_their_place() {
     assert!(strict.out.contains("error[U002]") && strict.out.contains("(absolute)"), "{}", strict.out);
     test(folder.path(), "a.test.wesl --filter wide --strict").expect(0);
     assert!(test(folder.path(), "a.test.wesl --filter zz").expect(2).err.contains("see --filter"));
+    // Other commands read such a file too.
+    let fuzzed = run_in(folder.path(), "fuzz a.test.wesl --lane embedded");
+    assert!(!fuzzed.out.contains("E901") && !fuzzed.out.contains("expectWithin  "), "{}", fuzzed.out);
 }
 
 #[test]
@@ -135,4 +138,27 @@ fn a_lane_that_is_wrong_is_named_and_check_runs_tests_where_there_is_no_suite() 
     assert!(junit.out.contains("failures=\"6\"") && junit.out.contains("skipped=\"1\""), "{}", junit.out);
     let github = test(folder.path(), "a.wesl --format github").expect(1);
     assert!(github.out.contains("::error file=a.wesl,line=5"), "{}", github.out);
+}
+#[test]
+fn faults_that_tests_let_pass_are_told() {
+    let module = "import package::lib::luminance;\nimport wgsl_test::expectNear;\n\
+        @test fn near() { expectNear(luminance(vec3f(1.0)), 1.0); }\n@test fn far() { expectNear(1.0, 2.0); }\n";
+    let folder = folder(&[("a.wesl", module), ("lib.wesl", LIBRARY)]);
+    let ran = run_in(folder.path(), "mutate a.wesl --format json").expect(0);
+    let report: Value = serde_json::from_str(&ran.out).unwrap();
+    assert_eq!(report["suites"][0]["shader"], "lib.wesl", "tests themselves stay as they are\n{report:#}");
+    assert_eq!(report["suites"].as_array().unwrap().len(), 1);
+    let outcome = |of: &str| {
+        let mutants = report["suites"][0]["mutants"].as_array().unwrap();
+        let found = mutants.iter().find(|own| own["what"].as_str().unwrap().contains(of));
+        found.unwrap_or_else(|| panic!("{of}\n{report:#}"))["outcome"].as_str().unwrap().to_owned()
+    };
+    assert_eq!(outcome("`0.7152` becomes `0.7153`"), "survived");
+    assert_eq!(outcome("`0.7152` becomes `0.0`"), "killed");
+    assert!(ran.err.contains("`far` fails, and is left out"), "{}", ran.err);
+    run_in(folder.path(), "mutate a.wesl --floor 100").expect(1);
+    let text = "// @test one\n// expectNear(twice(1.0), 2.0);\nfloat twice(float x) { return x * 2.0; }\n";
+    fs::write(folder.path().join("b.glsl"), text).unwrap();
+    let ran = run_in(folder.path(), "mutate b.glsl").expect(0);
+    assert!(ran.out.contains("killed by\n") && ran.out.contains("test "), "{}", ran.out);
 }

@@ -77,6 +77,7 @@ impl Module {
         }
         let file = without_imports(&file, &mut found, problems);
         let draft::Current { file, note } = draft::modernise(&file, problems);
+        let file = without_test_attributes(&file);
         let tokens = tokens(file.text());
         let behind = brackets(&tokens);
         let (declarations, locals) = declarations(&file, &tokens, &behind, problems);
@@ -114,6 +115,31 @@ impl Module {
     pub(crate) fn word(&self, at: usize) -> &str {
         self.tokens.get(at).map_or("", |token| self.file.slice(token.span))
     }
+}
+
+/// Attributes of the package `wgsl_test`, which the language does not have: runners of tests read them.
+const OF_TESTS: [&str; 6] = ["test", "snapshot", "extent", "test_texture", "sampler", "buffer"];
+
+/// A text without attributes of tests.
+fn without_test_attributes(file: &SourceFile) -> SourceFile {
+    let text = file.text();
+    if !OF_TESTS.iter().any(|name| text.contains(&format!("@{name}"))) {
+        return file.clone();
+    }
+    let tokens = tokens(text);
+    let behind = brackets(&tokens);
+    let word = |at: usize| tokens.get(at).map_or("", |token| file.slice(token.span));
+    let (mut out, mut copied) = (Assembly::new(), 0);
+    for at in 0..tokens.len() {
+        if word(at) != "@" || !OF_TESTS.contains(&word(at + 1)) {
+            continue;
+        }
+        let end = if word(at + 2) == "(" { behind[at + 2] } else { at + 2 };
+        out.copy(file, Span::new(copied, tokens[at].span.start));
+        copied = tokens[end - 1].span.end;
+    }
+    out.copy(file, Span::new(copied, text.len()));
+    out.finish(file.name())
 }
 
 /// Names behind the keywords of declarations, wherever they stand.

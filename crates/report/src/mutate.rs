@@ -214,6 +214,7 @@ fn mutant(tested: &Tested) -> Value {
                 Kill::Formula(reported) | Kill::Shape(reported) => value["message"] = reported.as_str().into(),
                 Kill::MissingOutput(name) => value["output"] = name.as_str().into(),
                 Kill::Relation(name) => value["relation"] = name.as_str().into(),
+                Kill::Test(name) => value["test"] = name.as_str().into(),
                 Kill::NotFinished | Kill::Coverage => {}
             }
         }

@@ -23,6 +23,7 @@ pub use code::Code;
 pub use error::MutateError;
 pub use operators::Operator;
 pub use outcome::{Kill, Outcome, Score, SuiteResult, Tested};
+pub(crate) use run::diff;
 pub use run::{Request, run};
 
 /// A fault as an operator proposes it.

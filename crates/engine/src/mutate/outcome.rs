@@ -24,16 +24,18 @@ pub enum Kill {
     Relation(String),
     /// Segments of strands are not drawn.
     Coverage,
+    /// A test that stands in the shader fails: its name.
+    Test(String),
 }
 
 impl Kill {
     /// Names of all kinds, in the order of reports.
-    pub const NAMES: [&'static str; 6] =
-        ["formula", "emission shape", "missing output", "does not finish", "relation", "coverage"];
+    pub const NAMES: [&'static str; 7] =
+        ["formula", "emission shape", "missing output", "does not finish", "relation", "coverage", "test"];
 
     /// Name of the check in reports.
     pub fn name(&self) -> &'static str {
-        let [formula, shape, missing, not_finished, relation, coverage] = Self::NAMES;
+        let [formula, shape, missing, not_finished, relation, coverage, test] = Self::NAMES;
         match self {
             Self::Formula(_) => formula,
             Self::Shape(_) => shape,
@@ -41,6 +43,7 @@ impl Kill {
             Self::NotFinished => not_finished,
             Self::Relation(_) => relation,
             Self::Coverage => coverage,
+            Self::Test(_) => test,
         }
     }
 }

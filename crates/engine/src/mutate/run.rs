@@ -348,7 +348,8 @@ fn related(trial: &mut Trial<'_>, shared: &MutantRun<'_>) -> Result<Option<Kill>
     Ok((!covers(trial, shared.seed)?).then_some(Kill::Coverage))
 }
 
-fn diff(original: &SourceFile, mutant: &SourceFile) -> String {
+/// The fault of a mutant as a unified diff.
+pub(crate) fn diff(original: &SourceFile, mutant: &SourceFile) -> String {
     TextDiff::from_lines(original.text(), mutant.text())
         .unified_diff()
         .context_radius(1)

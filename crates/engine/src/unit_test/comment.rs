@@ -39,7 +39,7 @@ pub(super) fn mark(file: &SourceFile, stage: Stage) -> Marked {
             out.insert("\n", file, piece.end);
         }
         out.insert("return sc_record;\n}\n", file, at.start);
-        marked.tests.push(UnitTest { name, entry, span: at, refused: None });
+        marked.tests.push(UnitTest { name, function: entry.clone(), entry, span: at, refused: None });
     }
     marked.file = out.finish(file.name());
     marked

@@ -31,6 +31,8 @@ pub struct UnitTest {
     pub name: String,
     /// The function that runs it.
     pub entry: String,
+    /// The function that holds it.
+    pub function: String,
     /// Its name in the author's file, or the word `@test`.
     pub span: Span,
     /// Why it cannot be run, where its form alone says so.

@@ -14,10 +14,12 @@
 mod comment;
 mod mark;
 mod module;
+mod mutants;
 mod record;
 mod run;
 mod verdict;
 
 pub use mark::{Marked, UnitTest, mark};
+pub use mutants::{Build, Passing, mutate};
 pub use run::{Ran, Request, run};
 pub use verdict::{Expectation, Found, Kind, OnLane, Verdict};

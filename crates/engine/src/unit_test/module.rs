@@ -6,9 +6,6 @@ use syntax::wgsl;
 
 use super::mark::{Marked, UnitTest, WANTED, entry, is_assertion};
 
-/// Attributes of the same package that the language does not have.
-const OTHERS: [&str; 5] = ["buffer", "test_texture", "sampler", "extent", "snapshot"];
-
 /// The words of a text, with their places.
 struct Words<'t> {
     file: &'t SourceFile,
@@ -47,7 +44,6 @@ impl Words<'_> {
 struct Changes {
     edits: Vec<(Span, String)>,
     marked: Vec<UnitTest>,
-    calls: Vec<String>,
     sites: Vec<Span>,
 }
 
@@ -62,7 +58,7 @@ pub(super) fn mark(file: &SourceFile) -> Marked {
             changes.assertion(&words, k);
         }
     }
-    let Changes { mut edits, marked, calls, sites } = changes;
+    let Changes { mut edits, marked, sites } = changes;
     edits.sort_by_key(|(span, _)| span.start);
     let (mut out, mut at) = (Assembly::new(), 0);
     for (span, text) in edits {
@@ -72,7 +68,8 @@ pub(super) fn mark(file: &SourceFile) -> Marked {
     }
     let end = file.text().len();
     out.copy(file, Span::new(at, end));
-    for (test, call) in marked.iter().zip(calls).filter(|(test, _)| test.refused.is_none()) {
+    for test in marked.iter().filter(|test| test.refused.is_none()) {
+        let call = &test.function;
         let body = format!("{ASSERTIONS}::wanted = {WANTED}; {call}(); return {ASSERTIONS}::record;");
         let text = format!("\nfn {}({WANTED}: u32) -> {ASSERTIONS}::Record {{ {body} }}\n", test.entry);
         out.insert(&text, file, test.span.start);
@@ -81,15 +78,11 @@ pub(super) fn mark(file: &SourceFile) -> Marked {
 }
 
 impl Changes {
-    /// Takes out an attribute that only runners of tests know, and notes a test.
+    /// Notes a test, and makes memory of a buffer. The attributes themselves are no concern here: composing takes them out.
     fn attribute(&mut self, words: &Words<'_>, at: usize) {
         let attribute = words.at(at + 1);
-        if attribute != "test" && !OTHERS.contains(&attribute) {
-            return;
-        }
         let open = words.at(at + 2) == "(";
         let end = if open { words.behind(at + 2) } else { at + 2 };
-        self.edits.push((words.span(at, end), String::new()));
         // Other attributes may stand before what it is of.
         let mut of = end;
         while words.at(of) == "@" {
@@ -113,8 +106,8 @@ impl Changes {
                 let span = words.spans.get(of + 1).copied().unwrap_or_else(|| words.spans[at]);
                 let name = stated.filter(|_| attribute == "test").unwrap_or_else(|| own.clone());
                 let entry = entry(self.marked.len());
-                self.marked.push(UnitTest { name, entry, span, refused: refused.map(str::to_owned) });
-                self.calls.push(own);
+                let refused = refused.map(str::to_owned);
+                self.marked.push(UnitTest { name, entry, function: own, span, refused });
             }
             _ => {}
         }

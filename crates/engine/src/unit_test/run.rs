@@ -51,13 +51,7 @@ pub fn run(ready: &Ready, request: &Request<'_>) -> Result<Ran, String> {
     }
     let places = Places::of(&ready.program.output_layout().vertex);
     let places = places.ok_or("internal error, please report: what it expects got lost")?;
-    let at = invocation.index_of(WANTED).map(|field| invocation.range(field).start);
-    let sample = |wanted: usize| {
-        let (mut words, of_case) = (vec![0; invocation.words()], vec![0; case.words()]);
-        at.into_iter().for_each(|at| words[at] = wanted as u32);
-        let (invocation_record, case_record) = (invocation.clone(), case.clone());
-        Sample { invocation_record, case_record, invocation: words, case: of_case }
-    };
+    let sample = |wanted: usize| sample(ready, wanted);
     let probed = ready.program.probed(MAX_WORDS).map_err(|error| error.to_string())?;
     let mut all: Vec<TracedTest> = Vec::new();
     let count = loop {
@@ -106,6 +100,15 @@ pub fn run(ready: &Ready, request: &Request<'_>) -> Result<Ran, String> {
     Ok(Ran { expectations: (0..count).map(one).collect(), not_run })
 }
 
+/// The inputs of a test that writes down one of its expectations.
+pub(super) fn sample(ready: &Ready, wanted: usize) -> Sample {
+    let (invocation, case) = (&ready.kernel.invocation, &ready.kernel.case);
+    let (mut words, of_case) = (vec![0; invocation.words()], vec![0; case.words()]);
+    let at = invocation.index_of(WANTED).map(|field| invocation.range(field).start);
+    at.into_iter().for_each(|at| words[at] = wanted as u32);
+    Sample { invocation_record: invocation.clone(), case_record: case.clone(), invocation: words, case: of_case }
+}
+
 /// The output words of a test in binary32 and in real numbers.
 struct TracedTest {
     values: Vec<TracedValue>,
@@ -143,7 +146,7 @@ fn on_lane(lane: &dyn Lane, ready: &Ready, batch: &Batch) -> Result<Vec<Vec<u32>
     Ok((0..count).map(|k| actual.vertex(k, 0).to_vec()).collect())
 }
 
-fn found(words: &[u32], place: &Places, width: usize) -> Found {
+pub(super) fn found(words: &[u32], place: &Places, width: usize) -> Found {
     let floats = |at: usize| words[at..at + width].iter().map(|&bits| f32::from_bits(bits)).collect();
     Found {
         actual: floats(place.actual),
@@ -152,7 +155,7 @@ fn found(words: &[u32], place: &Places, width: usize) -> Found {
     }
 }
 
-fn kind(words: &[u32], place: &Places) -> Kind {
+pub(super) fn kind(words: &[u32], place: &Places) -> Kind {
     let tolerance = |k: usize| f64::from(f32::from_bits(words[place.tolerance + k]));
     match words[place.kind] {
         1 => Kind::Condition,

@@ -35,7 +35,7 @@ impl Kind {
     }
 
     /// True for what a lane gives. NaN is near nothing.
-    fn holds(self, found: &Found) -> bool {
+    pub(super) fn holds(self, found: &Found) -> bool {
         let each =
             |near: &dyn Fn(f32, f32) -> bool| found.actual.iter().zip(&found.expected).all(|(&a, &b)| near(a, b));
         match self {
