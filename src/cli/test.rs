@@ -1,5 +1,6 @@
 //! `shadercheck test`: tests that stand in shaders.
 
+use std::collections::HashSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -17,6 +18,8 @@ use super::status::ExitStatus;
 use super::waiting::Waiting;
 use base::diagnostic::{Diagnostic, Severity};
 use base::text::{Shown as _, SourceFile};
+use disk::fresh;
+use engine::coverage::{Coverage, Lcov, Share};
 use engine::fuzz::{self, Subject};
 use engine::mutate::Operator;
 use engine::unit_test::{self, Marked, Passing, Request, UnitTest};
@@ -24,7 +27,7 @@ use lanes::{Lane, StandIn, Wanted, embedded, interrupt};
 use program::{ModuleText, Written};
 use report::mutate::Summary as Mutated;
 use report::unit_test::{FileReport, Summary, TestReport, json, junit, line, text};
-use syntax::Stage;
+use syntax::{Shader, Stage};
 
 /// The profile that bounds are derived from where none is named.
 const PROFILE: &str = "vulkan-1.4";
@@ -82,6 +85,9 @@ pub struct TestArgs {
     /// Profile for bounds: a shipped one by name, or a file that `calibrate` wrote
     #[arg(long, value_name = "PROFILE", default_value = PROFILE)]
     pub profile: String,
+    /// Write which lines, functions and branches the tests reach, as LCOV
+    #[arg(long, value_name = "FILE")]
+    pub coverage: Option<PathBuf>,
     /// Format of the result
     #[arg(long, value_parser = formats(), default_value = "text")]
     pub format: String,
@@ -104,7 +110,7 @@ impl TestArgs {
     /// True where each path has a test, and tests are reported in the format.
     pub(super) fn applies(&self) -> bool {
         let known = OWN.iter().map(|(name, _)| *name).chain(SHARED).any(|name| name == self.format);
-        known && marked(&self.paths).is_ok()
+        known && marked(&self.paths, &mut std::io::sink()).is_ok()
     }
 }
 
@@ -117,13 +123,14 @@ pub fn run(args: &TestArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     let Some(profile) = profile::named(&args.profile)? else {
         anyhow::bail!("--profile: tests are held against bounds; `none` has none");
     };
-    let files = marked(&args.paths)?;
+    let files = marked(&args.paths, err)?;
     let opened = Wanted { stand_in: StandIn::Beside, ..Wanted::named(&args.lane) }.open()?;
     let missing: Vec<String> = opened.missing.iter().map(|(name, why)| format!("lane `{name}`: {why}")).collect();
     anyhow::ensure!(args.lane.is_empty() || missing.is_empty(), "{}", missing.join("; "));
     let lanes: Vec<&dyn Lane> = opened.lanes.iter().map(AsRef::as_ref).collect();
     let many = files.len() > 1;
     let mut summary = Summary { files: Vec::new(), profile: profile.name.clone(), strict: args.strict };
+    let mut covered = args.coverage.as_ref().map(|path| (path, Covered::default()));
     for (path, file, marked) in files {
         let request = Request {
             lanes: &lanes,
@@ -131,7 +138,8 @@ pub fn run(args: &TestArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
             profile: &profile,
             sites: &marked.sites,
         };
-        let report = of_file(args, file, &read(args, &path, &marked)?, &request)?;
+        let covered = covered.as_mut().map(|(_, covered)| covered);
+        let report = of_file(args, file, &read(args, &path, &marked)?, (&request, covered))?;
         if args.format == "text" {
             report.notes.iter().try_for_each(|note| writeln!(err, "note: {note}"))?;
             if many {
@@ -144,6 +152,14 @@ pub fn run(args: &TestArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
         if interrupt::asked() {
             break;
         }
+    }
+    if let Some((path, covered)) = covered {
+        let lcov = covered.lcov(&args.define);
+        let context = || format!("cannot write `{}`", path.shown());
+        fresh::write(path, lcov.text.as_bytes()).with_context(context)?;
+        let of = |share: Share, what: &str| format!("{} of {} {what}", share.reached, share.all);
+        let (lines, functions) = (of(lcov.lines, "lines"), of(lcov.functions, "functions"));
+        writeln!(err, "coverage: {lines}, {functions}, {}", of(lcov.branches, "branches"))?;
     }
     let printed = match args.format.as_str() {
         "text" => text(&summary, color),
@@ -173,7 +189,7 @@ pub fn run(args: &TestArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
 type MarkedFile = (PathBuf, SourceFile, Marked);
 
 /// The files that have tests. One that is named has to have some.
-fn marked(paths: &[PathBuf]) -> anyhow::Result<Vec<MarkedFile>> {
+fn marked(paths: &[PathBuf], err: &mut dyn Write) -> anyhow::Result<Vec<MarkedFile>> {
     let mut found = Vec::new();
     for path in paths {
         let searched = path.is_dir();
@@ -187,7 +203,7 @@ fn marked(paths: &[PathBuf]) -> anyhow::Result<Vec<MarkedFile>> {
                 Ok(Some((file, marked))) => found.push((path, file, marked)),
                 // One file of many does not keep the others from being tested.
                 Ok(None) => {}
-                Err(_) if searched => {}
+                Err(error) if searched => writeln!(err, "left out: {error:#}")?,
                 Err(error) => return Err(error),
             }
         }
@@ -225,12 +241,36 @@ fn read<'m>(args: &TestArgs, path: &Path, marked: &'m Marked) -> anyhow::Result<
     Ok(ReadFile { source, tests: marked.tests.iter().filter(|test| wanted(&test.name)).collect() })
 }
 
+/// What tests reach, and which functions are tests.
+#[derive(Default)]
+struct Covered {
+    coverage: Coverage,
+    /// Each with the name of its file.
+    tests: HashSet<(String, String)>,
+}
+
+impl Covered {
+    /// The report, without tests and what they are made of.
+    fn lcov(&self, defines: &[(String, String)]) -> Lcov {
+        let read = |file: &SourceFile| match Written::of(file) {
+            Written::Wgsl => Shader::parse_wgsl(file).shader,
+            _ => {
+                let stage = below::stage_of(Path::new(file.name())).unwrap_or(Stage::Library);
+                includes::read_glsl(file, stage, defines).shader
+            }
+        };
+        self.coverage.lcov(&read, &|file, function| {
+            file != compose::ASSERTIONS && !self.tests.contains(&(file.to_owned(), function.to_owned()))
+        })
+    }
+}
+
 /// Runs the tests of a file.
 fn of_file(
     args: &TestArgs,
     file: SourceFile,
     ReadFile { source, tests }: &ReadFile<'_>,
-    request: &Request<'_>,
+    (request, mut covered): (&Request<'_>, Option<&mut Covered>),
 ) -> anyhow::Result<FileReport> {
     let mut report = FileReport { file, notes: source.notes(), errors: Vec::new(), tests: Vec::new() };
     if tests.is_empty() {
@@ -247,6 +287,14 @@ fn of_file(
             (None, Some(Err(why))) => Err(why.clone()),
             (None, None) => Err("internal error, please report: it got lost".to_owned()),
         };
+        let ready = subjects.iter().find(of_test).and_then(|subject| subject.ready.as_ref().ok());
+        if let (Some(covered), Some(ready), Ok(_)) = (covered.as_deref_mut(), ready, &outcome) {
+            covered
+                .coverage
+                .run(&ready.program, &unit_test::batch(ready))
+                .map_err(|error| anyhow::anyhow!("{error}"))?;
+            covered.tests.insert((report.file.name().to_owned(), test.function.clone()));
+        }
         report.tests.push(TestReport { name: test.name.clone(), span: test.span, outcome });
         if interrupt::asked() {
             break;
@@ -266,10 +314,10 @@ pub(super) fn mutants(
 ) -> anyhow::Result<Mutated> {
     let profile = profile::named(PROFILE)?.context("there is no such profile")?;
     let mut all = Mutated { lane: embedded::STRICT.to_owned(), ..Mutated::default() };
-    for (path, file, marked) in marked(&args.paths)? {
+    for (path, file, marked) in marked(&args.paths, err)? {
         let request = Request { lanes: &[], all_lanes: false, profile: &profile, sites: &marked.sites };
         let read = read(args, &path, &marked)?;
-        let report = of_file(args, file, &read, &request)?;
+        let report = of_file(args, file, &read, (&request, None))?;
         let name = report.file.name().to_owned();
         if !report.errors.is_empty() {
             all.failed.push((name, "it does not compile; `shadercheck test` says why".to_owned()));

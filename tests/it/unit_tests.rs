@@ -98,7 +98,7 @@ fn expectations_of_wgsl_hold_or_are_told_at_their_place() {
 #[test]
 fn comments_of_glsl_are_tests() {
     let text = "#version 330\n\
-        // @test white\n// expectNear(luminance(vec3(1.0)), 1.0);\n// expectNear(vec2(1.0, 2.0), vec2(1.0, 2.0));\n\
+        // @test white\n// expectNear(luminance(vec3(1.0)), 1.0);\n// expectNear(vec2(1.0, 2.0), vec2(1.0, 2.0));\n// expectEq(3u, 3u);\n// expectEq(true, true);\n\
         \n// @test expectUlp(luminance(vec3(1.0, 0.0, 0.0)), 0.2126, 8);\n\
         float luminance(vec3 c) { return dot(c, vec3(0.2126, 0.7152, 0.0722)); }\n\
         /* @test rounds:\n * for (int i = 0; i < 3; i++) {\n *   expectEq(i, 1);\n * }\n */\n\
@@ -110,9 +110,11 @@ fn comments_of_glsl_are_tests() {
     let (tests, codes) = told(&ran);
     assert_eq!(tests, ["white ok", "line ok", "rounds FAIL", "host --"], "{}", ran.out);
     assert_eq!(codes, ["U001"], "{}", ran.out);
-    assert!(ran.out.contains("a.glsl:10:6") && ran.out.contains("only a host can give"), "{}", ran.out);
+    assert!(ran.out.contains("a.glsl:12:6") && ran.out.contains("only a host can give"), "{}", ran.out);
     test(folder.path(), "old.frag").expect(0);
-    // A folder has tests, a file without one is told.
+    // A folder has tests, and a file that cannot be read is told; so is a named one without a test.
+    fs::write(folder.path().join("torn.frag"), [0, 159, 146, 150, 0, 1]).unwrap();
+    assert!(test(folder.path(), ".").err.contains("left out: "));
     assert!(test(folder.path(), ".").expect(1).out.contains("old.frag"));
     let none = test(folder.path(), "none.glsl").expect(2);
     assert!(none.err.contains("`none.glsl` has no test"), "{}", none.err);
@@ -161,4 +163,29 @@ fn faults_that_tests_let_pass_are_told() {
     fs::write(folder.path().join("b.glsl"), text).unwrap();
     let ran = run_in(folder.path(), "mutate b.glsl").expect(0);
     assert!(ran.out.contains("killed by\n") && ran.out.contains("test "), "{}", ran.out);
+}
+
+#[test]
+fn what_tests_reach_is_written_as_lcov() {
+    let library = "fn clamped(x: f32) -> f32 {\n    if (x < 0.0) {\n        return 0.0;\n    }\n    return min(x, 1.0);\n}\n\
+        fn unused(x: f32) -> f32 {\n    return x;\n}\n";
+    let module = "import package::lib::clamped;\nimport wgsl_test::expectNear;\n\
+        @test fn near() { expectNear(clamped(0.5), 0.5); }\n@test fn high() { expectNear(clamped(2.0), 1.0); }\n";
+    let glsl = "#version 330\nfloat sum(int n) {\n  float s = 0.0;\n  for (int i = 0; i < n; i++) {\n    s += 1.0;\n    if (i > 5) {\n      \
+        s = 0.0;\n    }\n  }\n  return s;\n}\n// @test expectNear(sum(3), 3.0);\n";
+    let folder = folder(&[("a.wesl", module), ("lib.wesl", library), ("b.glsl", glsl)]);
+    let of = |arguments: &str| {
+        let ran = test(folder.path(), &format!("{arguments} --coverage out.info")).expect(0);
+        (ran.err, fs::read_to_string(folder.path().join("out.info")).unwrap())
+    };
+    let (said, lcov) = of("a.wesl");
+    assert_eq!(said, "coverage: 2 of 4 lines, 1 of 2 functions, 1 of 2 branches\n");
+    let expected = "TN:\nSF:lib.wesl\nFN:1,clamped\nFNDA:2,clamped\nFN:7,unused\nFNDA:0,unused\nFNF:2\nFNH:1\nBRDA:2,0,0,0\n\
+        BRDA:2,0,1,2\nBRF:2\nBRH:1\nDA:2,2\nDA:3,0\nDA:5,2\nDA:8,0\nLF:4\nLH:2\nend_of_record\n";
+    assert_eq!(lcov, expected);
+    let (_, lcov) = of("b.glsl");
+    for line in ["FNDA:1,sum", "DA:4,4", "DA:5,3", "DA:6,3", "DA:7,0", "DA:10,1", "SF:b.glsl"] {
+        assert!(lcov.contains(line), "{line}\n{lcov}");
+    }
+    assert!(!lcov.contains("sc_") && !lcov.contains("DA:12"), "{lcov}");
 }

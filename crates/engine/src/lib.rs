@@ -11,6 +11,7 @@ pub mod check;
 pub mod compare;
 pub mod completion;
 pub mod corners;
+pub mod coverage;
 pub mod dispatch;
 mod elsewhere;
 pub mod fuzz;

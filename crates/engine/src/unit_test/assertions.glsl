@@ -11,6 +11,10 @@ void sc_put(int kind, int width, vec4 actual, vec4 expected, vec2 tolerance, ive
 }
 void expect(bool condition) { sc_put(1, 0, vec4(0.0), vec4(0.0), vec2(0.0), ivec2(condition ? 1 : 0, 1)); }
 void expectEq(int actual, int expected) { sc_put(2, 0, vec4(0.0), vec4(0.0), vec2(0.0), ivec2(actual, expected)); }
+void expectEq(bool actual, bool expected) { expectEq(actual ? 1 : 0, expected ? 1 : 0); }
+#if __VERSION__ >= 130
+void expectEq(uint actual, uint expected) { expectEq(int(actual), int(expected)); }
+#endif
 void expectWithin(float a, float b, float rel, float abs_) { sc_put(3, 1, vec4(a, 0.0, 0.0, 0.0), vec4(b, 0.0, 0.0, 0.0), vec2(rel, abs_), ivec2(0)); }
 void expectWithin(vec2 a, vec2 b, float rel, float abs_) { sc_put(3, 2, vec4(a, 0.0, 0.0), vec4(b, 0.0, 0.0), vec2(rel, abs_), ivec2(0)); }
 void expectWithin(vec3 a, vec3 b, float rel, float abs_) { sc_put(3, 3, vec4(a, 0.0), vec4(b, 0.0), vec2(rel, abs_), ivec2(0)); }

@@ -21,5 +21,5 @@ mod verdict;
 
 pub use mark::{Marked, UnitTest, mark};
 pub use mutants::{Build, Passing, mutate};
-pub use run::{Ran, Request, run};
+pub use run::{Ran, Request, batch, run};
 pub use verdict::{Expectation, Found, Kind, OnLane, Verdict};

@@ -100,6 +100,11 @@ pub fn run(ready: &Ready, request: &Request<'_>) -> Result<Ran, String> {
     Ok(Ran { expectations: (0..count).map(one).collect(), not_run })
 }
 
+/// The inputs with which a test runs once.
+pub fn batch(ready: &Ready) -> Batch {
+    Sample::batch(&[sample(ready, 0)])
+}
+
 /// The inputs of a test that writes down one of its expectations.
 pub(super) fn sample(ready: &Ready, wanted: usize) -> Sample {
     let (invocation, case) = (&ready.kernel.invocation, &ready.kernel.case);

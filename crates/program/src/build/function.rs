@@ -237,8 +237,11 @@ impl<'b, 's> Fun<'b, 's> {
         accept: impl FnOnce(&mut Self) -> Result<()>,
         reject: impl FnOnce(&mut Self) -> Result<()>,
     ) -> Result<()> {
+        let at = self.at;
         let (accept, first) = self.block(|f| accept(f).map(|()| f.is_done()))?;
         let (reject, second) = self.block(|f| reject(f).map(|()| f.is_done()))?;
+        // It stands where its condition does, and not where its last statement ends.
+        self.at = at;
         self.push(Statement::If { condition, accept, reject });
         if first && second {
             self.finish_block();

@@ -360,6 +360,10 @@ pub(super) enum Inst {
     Kill,
     EmitVertex,
     EndPrimitive,
+    /// Counts the slots that get here: at this one of [`Executable::reached`].
+    Reach {
+        at: u32,
+    },
 }
 
 /// How an instruction touches a register.
@@ -478,8 +482,18 @@ impl Inst {
             Self::Barrier { .. } | Self::Fence { .. } => {}
             Self::Subgroup(inst) => inst.registers(f),
             Self::Break | Self::Continue | Self::Return | Self::Kill | Self::EmitVertex | Self::EndPrimitive => {}
+            Self::Reach { .. } => {}
         }
     }
+}
+
+/// A place that slots get to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reached {
+    /// Its bytes in the text that was parsed: a statement, or of a branch the whole choice.
+    pub span: naga::Span,
+    /// Of a choice, whether its condition is true or false there.
+    pub branch: Option<bool>,
 }
 
 /// Where an operation stands in the module.
@@ -537,6 +551,8 @@ pub struct Executable {
     pub(super) numbers: Vec<(naga::BuiltIn, Vec<Register>)>,
     /// How it is run where it is a large dispatch.
     pub(super) whole: Option<Arc<super::group::Whole>>,
+    /// Places at which slots are counted.
+    pub(super) reached: Vec<Reached>,
 }
 
 impl Executable {

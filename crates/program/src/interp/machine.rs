@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::mem::take;
 
 use super::POISON;
-use super::code::{Constant, Executable, File, Inst, Reg, Register};
+use super::code::{Constant, Executable, File, Inst, Reached, Reg, Register};
 use super::control::Breakable;
 use super::domain::{Domain, Site, WordSource};
 use super::meaning::{Finding, Flags, HazardKind};
@@ -41,6 +41,8 @@ pub struct Machine<'e, D: Domain> {
     /// The invocation of each slot; slots behind the last one follow the first.
     pub(super) invocations: [usize; SLOTS],
     pub(super) slots: usize,
+    /// Slots that got to each place of [`Executable::reached`].
+    reached: Vec<u64>,
 }
 
 impl<'e, D: Domain> Machine<'e, D> {
@@ -74,7 +76,13 @@ impl<'e, D: Domain> Machine<'e, D> {
             probe: None,
             invocations: [0; SLOTS],
             slots: 0,
+            reached: vec![0; executable.reached.len()],
         }
+    }
+
+    /// Places at which invocations are counted, with how many got there in all runs.
+    pub fn reached(&self) -> impl Iterator<Item = (Reached, u64)> + '_ {
+        self.executable.reached.iter().copied().zip(self.reached.iter().copied())
     }
 
     /// Runs the invocations of `batch` from `first` on, at most [`SLOTS`] of them. Gives their number.
@@ -253,6 +261,10 @@ impl<'e, D: Domain> Machine<'e, D> {
             // A program with shared memory is run by a group, which does these itself.
             Inst::Memory(_) | Inst::Length { .. } | Inst::Barrier { .. } | Inst::Fence { .. } | Inst::Subgroup(_) => {}
             Inst::Agree { first, others, site } => self.agree(*first, others, *site),
+            Inst::Reach { at } => {
+                let own = self.active.slots().filter(|slot| *slot < self.slots).count();
+                self.reached[*at as usize] += own as u64;
+            }
             Inst::EmitVertex => self.emit_vertex(),
             Inst::EndPrimitive => {
                 for slot in self.active.slots() {

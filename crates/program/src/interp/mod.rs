@@ -43,7 +43,7 @@ use base::value::{Batch, Scalar};
 #[cfg(test)]
 use compile::shape as compile_shape;
 
-pub use code::{Executable, Guarded, Place};
+pub use code::{Executable, Guarded, Place, Reached};
 pub use compile::{Binding, Subject};
 pub use domain::{Binary, Class, Comparison, Domain, FromWords, Site, ToWords, Unary, WordSource};
 pub use lowered::Half;
@@ -132,7 +132,7 @@ pub fn author_span(program: &Program, place: &Place) -> Option<base::text::Span>
 /// # Errors
 /// [`InterpError::Unsupported`] for constructs that are not interpreted.
 pub fn compile(program: &Program) -> Result<Executable, InterpError> {
-    compile_as(program, false)
+    compile_as(program, (false, false))
 }
 
 /// Compiles a program for a device on which `mediump` and `lowp` are less than binary32: the sites of their operations
@@ -141,10 +141,18 @@ pub fn compile(program: &Program) -> Result<Executable, InterpError> {
 /// # Errors
 /// Those of [`compile`].
 pub fn compile_lowered(program: &Program) -> Result<Executable, InterpError> {
-    compile_as(program, true)
+    compile_as(program, (true, false))
 }
 
-fn compile_as(program: &Program, lowered: bool) -> Result<Executable, InterpError> {
+/// Compiles a program that counts the invocations that get to each statement and branch: [`Machine::reached`].
+///
+/// # Errors
+/// Those of [`compile`].
+pub fn compile_covered(program: &Program) -> Result<Executable, InterpError> {
+    compile_as(program, (false, true))
+}
+
+fn compile_as(program: &Program, (lowered, covered): (bool, bool)) -> Result<Executable, InterpError> {
     if let Some(found) = program.unfed.first() {
         let part = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         let span = naga::Span::new(part(found.span.start), part(found.span.end));
@@ -170,6 +178,7 @@ fn compile_as(program: &Program, lowered: bool) -> Result<Executable, InterpErro
         dispatch: program.dispatch.as_deref().map(|dispatch| dispatch.groups),
         manners: Some(&program.manners),
         lowered,
+        covered,
     })?;
     Ok(Executable { written: program.written, ..executable })
 }
@@ -218,6 +227,7 @@ fn compile_memory(
         dispatch: None,
         manners: Some(&program.manners),
         lowered: false,
+        covered: false,
     })?;
     Ok(Executable { written: program.written, ..executable })
 }
@@ -242,6 +252,7 @@ pub fn compile_read_back(back: &ReadBack) -> Result<Executable, InterpError> {
         dispatch: None,
         manners: None,
         lowered: false,
+        covered: false,
     })
 }
 

@@ -79,6 +79,8 @@ pub struct Subject<'m> {
     pub manners: Option<&'m Manners>,
     /// Operations of `mediump` and `lowp` are marked as such, and variables of these take numbers of them.
     pub lowered: bool,
+    /// Slots are counted at each statement and in each branch.
+    pub covered: bool,
 }
 
 /// Instructions of one executable: calls are expanded in place, which can grow without measure.
@@ -220,6 +222,7 @@ impl<'m> Compiler<'m> {
                 memories: Vec::new(),
                 numbers: Vec::new(),
                 whole: None,
+                reached: Vec::new(),
             },
             sites: HashMap::new(),
             constant_sites: HashMap::new(),

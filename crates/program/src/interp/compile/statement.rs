@@ -6,7 +6,7 @@ use std::rc::Rc;
 use naga::valid::FunctionInfo;
 use naga::{Block, Expression, Function, Handle, Statement, SwitchValue};
 
-use super::super::code::{Case, File, Inst, Place, Reg, Register};
+use super::super::code::{Case, File, Inst, Place, Reached, Reg, Register};
 use super::super::domain::Site;
 use super::super::meaning::HazardKind;
 use super::{Compiler, Evaluated, Frame, InterpError, unsupported};
@@ -117,9 +117,24 @@ impl<'m> Compiler<'m> {
         for (k, (statement, &span)) in block.span_iter().enumerate() {
             frame.span = span;
             self.check_size(span)?;
+            self.reach(span, None);
             self.statement(frame, statement, span, &block[k + 1..])?;
         }
         Ok(())
+    }
+
+    /// Counts the slots that get here, where that is asked for.
+    fn reach(&mut self, span: naga::Span, branch: Option<bool>) {
+        let counted = self.counted(span, branch);
+        self.code.extend(counted);
+    }
+
+    fn counted(&mut self, span: naga::Span, branch: Option<bool>) -> Option<Inst> {
+        if !self.subject.covered || !span.is_defined() {
+            return None;
+        }
+        self.executable.reached.push(Reached { span, branch });
+        Some(Inst::Reach { at: self.executable.reached.len() as u32 - 1 })
     }
 
     pub(super) fn statement(
@@ -140,12 +155,15 @@ impl<'m> Compiler<'m> {
             Statement::Block(block) => self.statements(frame, block)?,
             Statement::If { condition, accept, reject } => {
                 let condition = self.single(frame, *condition)?.reg;
-                if let Some(known) = self.number(condition) {
+                if let Some(known) = self.number(condition).filter(|_| !self.subject.covered) {
                     return self.statements(frame, if known != 0 { accept } else { reject });
                 }
                 let before = self.known.clone();
-                let accept = self.branch(frame, accept, &before)?;
-                let reject = self.branch(frame, reject, &before)?;
+                let mut accept = self.branch(frame, accept, &before)?;
+                let mut reject = self.branch(frame, reject, &before)?;
+                for (code, branch) in [(&mut accept, true), (&mut reject, false)] {
+                    code.splice(0..0, self.counted(span, Some(branch)));
+                }
                 self.push(Inst::If { condition, accept, reject });
             }
             Statement::Switch { selector, cases } => {

@@ -45,6 +45,7 @@ fn run_with(text: &str, words: u32, zeroed: bool, choose: impl FnOnce(&mut Dispa
         dispatch: None,
         manners: None,
         lowered: false,
+        covered: false,
     };
     let executable = Executable::compile(&subject).unwrap();
     let buffer = |shape: &super::MemoryShape| {

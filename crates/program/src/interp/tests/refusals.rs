@@ -20,6 +20,7 @@ fn refused(text: &str) -> (String, String) {
         dispatch: None,
         manners: None,
         lowered: false,
+        covered: false,
     };
     match Executable::compile(&subject) {
         Err(InterpError::Unsupported { what, span }) => {

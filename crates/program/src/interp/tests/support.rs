@@ -68,6 +68,7 @@ pub(super) fn compile_with((module, info): &(Module, ModuleInfo), feeds: bool) -
         dispatch: None,
         manners: None,
         lowered: false,
+        covered: false,
     };
     Executable::compile(&subject)
 }
