@@ -183,6 +183,17 @@ fn formats() -> PossibleValuesParser {
 const TEXT: &str = "text";
 
 impl CheckArgs {
+    /// True where nothing is asked for that is of suites alone.
+    fn is_plain(&self) -> bool {
+        let files = [&self.shader, &self.report_dir, &self.mutations];
+        let words = [&self.case, &self.profile, &self.expectations];
+        let others = self.shipped || self.stage.is_some() || self.sources.is_some() || self.samples.is_some();
+        !others
+            && self.require_lane.is_empty()
+            && files.iter().all(|own| own.is_none())
+            && words.iter().all(|own| own.is_none())
+    }
+
     fn is_text(&self) -> bool {
         report::check::by_name(&self.format).is_none()
     }
@@ -216,7 +227,8 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         // Shaders without a suite may have tests of their own.
         Err(error) => {
             let tests = test::TestArgs { lane: args.lane.clone(), ..test::TestArgs::of(&args.suites, &args.format) };
-            return if !args.shipped && tests.applies() { test::run(&tests, out, err, color) } else { Err(error) };
+            let plain = args.is_plain() && shard.is_none();
+            return if plain && tests.applies() { test::run(&tests, out, err, color) } else { Err(error) };
         }
     };
     if args.strict_literals {

@@ -91,7 +91,7 @@ pub fn run(args: &MutateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyho
         // Shaders without a suite may have tests of their own.
         Err(error) => {
             let tests = TestArgs::of(&args.suites, "text");
-            let plain = !args.shipped && args.shader.is_none() && shard.is_none();
+            let plain = !args.shipped && args.shader.is_none() && args.lane.is_none() && shard.is_none();
             return if plain && tests.applies() { of_tests(args, &tests, &operators, out, err) } else { Err(error) };
         }
     };

@@ -9,7 +9,7 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 
 use super::below;
-use super::check::profile;
+use super::check::{profile, select};
 use super::compose::{ComposeArgs, Given};
 use super::fuzz::subjects;
 use super::includes::{self, IncludedText};
@@ -107,8 +107,11 @@ impl TestArgs {
         Self { paths, profile: PROFILE.to_owned(), format: format.to_owned(), ..Self::default() }
     }
 
-    /// True where each path has a test, and tests are reported in the format.
+    /// True where each path has a test and none a suite, and tests are reported in the format.
     pub(super) fn applies(&self) -> bool {
+        if !self.paths.iter().all(|path| select::is_without_suites(path)) {
+            return false;
+        }
         let known = OWN.iter().map(|(name, _)| *name).chain(SHARED).any(|name| name == self.format);
         known && marked(&self.paths, &mut std::io::sink()).is_ok()
     }
@@ -280,19 +283,16 @@ fn of_file(
     let (errors, subjects) = subjects((&entries, &args.define), source, &mut Vec::new())?;
     report.errors = errors;
     for test in tests.iter().filter(|_| report.errors.is_empty()) {
-        let of_test = |subject: &&Subject| subject.name == test.entry;
-        let outcome = match (&test.refused, subjects.iter().find(of_test).map(|subject| &subject.ready)) {
-            (Some(why), _) => Err(why.clone()),
-            (None, Some(Ok(ready))) => unit_test::run(ready, request),
-            (None, Some(Err(why))) => Err(why.clone()),
+        let subject = subjects.iter().find(|subject| subject.name == test.entry);
+        let ready = match (&test.refused, subject.map(|subject: &Subject| &subject.ready)) {
+            (Some(why), _) | (None, Some(Err(why))) => Err(why.clone()),
+            (None, Some(Ok(ready))) => Ok(ready),
             (None, None) => Err("internal error, please report: it got lost".to_owned()),
         };
-        let ready = subjects.iter().find(of_test).and_then(|subject| subject.ready.as_ref().ok());
-        if let (Some(covered), Some(ready), Ok(_)) = (covered.as_deref_mut(), ready, &outcome) {
-            covered
-                .coverage
-                .run(&ready.program, &unit_test::batch(ready))
-                .map_err(|error| anyhow::anyhow!("{error}"))?;
+        let outcome = ready.clone().and_then(|ready| unit_test::run(ready, request));
+        if let (Some(covered), Ok(ready), Ok(_)) = (covered.as_deref_mut(), ready, &outcome) {
+            let counted = covered.coverage.run(&ready.program, &unit_test::batch(ready));
+            counted.map_err(|error| anyhow::anyhow!("{}", error.locate(&ready.program)))?;
             covered.tests.insert((report.file.name().to_owned(), test.function.clone()));
         }
         report.tests.push(TestReport { name: test.name.clone(), span: test.span, outcome });

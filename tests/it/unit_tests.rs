@@ -189,3 +189,14 @@ fn what_tests_reach_is_written_as_lcov() {
     }
     assert!(!lcov.contains("sc_") && !lcov.contains("DA:12"), "{lcov}");
 }
+
+#[test]
+fn check_hides_no_fault_of_a_suite_and_no_option_behind_tests() {
+    let folder = folder(&[("a.wesl", MODULE), ("lib.wesl", LIBRARY)]);
+    let asked = run_in(folder.path(), "check a.wesl --lane embedded --report-dir out").expect(2);
+    assert!(asked.err.contains("is no suite file"), "{}", asked.err);
+    run_in(folder.path(), "mutate a.wesl --lane embedded").expect(2);
+    fs::write(folder.path().join("b.suite.toml"), "shader = 3\n").unwrap();
+    let broken = run_in(folder.path(), "check .").expect(2);
+    assert!(broken.err.contains("b.suite.toml"), "{}", broken.err);
+}

@@ -8,8 +8,8 @@ use base::text::{SourceFile, Span};
 use base::value::Batch;
 use program::Program;
 use program::interp::{self, Binary32, FUEL, InterpError, Machine};
-use syntax::Shader;
-use syntax::ast::{ItemKind, Stmt, StmtKind};
+use syntax::ast::{ItemKind, StmtKind};
+use syntax::{Shader, walk};
 
 /// What was reached, file by file.
 #[derive(Debug, Default)]
@@ -113,10 +113,13 @@ impl Hits {
         let line = |at: usize| self.file.position(at).line;
         let (mut functions, mut lines, mut branches) = (String::new(), BTreeMap::<usize, u64>::new(), String::new());
         let (mut of_functions, mut of_lines, mut of_branches) = (Share::default(), Share::default(), Share::default());
+        let all = counted(shader);
         for item in &shader.unit().items {
             let ItemKind::Function(function) = &item.kind else { continue };
-            let Some(body) = function.body.as_ref().filter(|_| is_wanted(name, &function.name.name)) else { continue };
-            let statements = counted(&body.statements);
+            if function.body.is_none() || !is_wanted(name, &function.name.name) {
+                continue;
+            }
+            let statements: Vec<Span> = all.iter().copied().filter(|own| item.span.contains(own.start)).collect();
             let counts = self.counts(&statements);
             let is_known = counts.iter().any(Option::is_some);
             let first = statements.iter().zip(&counts).filter_map(|(span, count)| Some((span.start, (*count)?)));
@@ -172,41 +175,21 @@ impl Hits {
     }
 }
 
-/// The places of statements that do something, those inside of others included.
-fn counted(statements: &[Stmt]) -> Vec<Span> {
-    let (mut found, mut open): (Vec<Span>, Vec<&Stmt>) = (Vec::new(), statements.iter().collect());
-    while let Some(statement) = open.pop() {
-        let mut does = true;
-        match &statement.kind {
-            StmtKind::Block(block) => {
-                does = false;
-                open.extend(&block.statements);
-            }
-            StmtKind::Switch { selector: _, body } => open.extend(&body.statements),
-            StmtKind::If { condition: _, then, otherwise } => {
-                open.push(then);
-                open.extend(otherwise.as_deref());
-            }
-            StmtKind::For { init, condition: _, step: _, body, head_span: _ } => {
-                open.extend([init.as_ref(), body.as_ref()]);
-            }
-            StmtKind::While { condition: _, body } | StmtKind::DoWhile { body, condition: _ } => open.push(body),
-            StmtKind::Empty
-            | StmtKind::Precision(_)
-            | StmtKind::Qualified(_)
-            | StmtKind::Case(_)
-            | StmtKind::Default
-            | StmtKind::Error => does = false,
-            StmtKind::Declaration(_)
-            | StmtKind::Expr(_)
-            | StmtKind::Return(_)
-            | StmtKind::Break
-            | StmtKind::Continue
-            | StmtKind::Discard => {}
-        }
-        if does {
-            found.push(statement.span);
-        }
-    }
+/// The places of all statements of a file that do something.
+fn counted(shader: &Shader) -> Vec<Span> {
+    let mut found = Vec::new();
+    walk::statements(shader, |statement| {
+        let does = !matches!(
+            statement.kind,
+            StmtKind::Block(_)
+                | StmtKind::Empty
+                | StmtKind::Precision(_)
+                | StmtKind::Qualified(_)
+                | StmtKind::Case(_)
+                | StmtKind::Default
+                | StmtKind::Error
+        );
+        found.extend(does.then_some(statement.span));
+    });
     found
 }

@@ -113,6 +113,14 @@ fn of_shader(path: &Path) -> anyhow::Result<Vec<Selected>> {
     Ok(selected)
 }
 
+/// True for a folder without a suite file, and for a shader with none beside it that is about it.
+pub fn is_without_suites(path: &Path) -> bool {
+    if path.is_dir() {
+        return suite::search(path).is_ok_and(|files| files.is_empty());
+    }
+    path.extension().is_none_or(|ending| ending != "toml") && beside(path).is_ok_and(|suites| suites.is_empty())
+}
+
 /// The suites beside a shader that are about it, which may be none.
 ///
 /// # Errors
