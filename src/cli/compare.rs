@@ -21,7 +21,7 @@ use super::waiting::Waiting;
 use base::diagnostic::Lang;
 use base::text::Shown as _;
 use disk::fresh;
-use engine::compare::{self, Compared, Pairing, Request, Unpaired};
+use engine::compare::{self, Compared, Pairing, Request, SameBits, Unpaired};
 use engine::fuzz::{Domain, Subject};
 use engine::session::{At, Job, Join, Seen, Unlike};
 use engine::shard::Identity;
@@ -41,6 +41,10 @@ get the same inputs, those that the first is likely to get.
 
 The report says whether the two mean the same in real numbers, with the smallest input if they do not; how far a \
 conforming device may be off in each; and the results of lanes.
+
+With --same-bits, it says for each output whether both have the same bits on every device that keeps the first profile: \
+samples that have, samples that differ in strict binary32 already, and samples that are left to devices, with the operations \
+that leave them open. Sums and products count as rounded to nearest.
 
 Exit status: 0 all pairs mean the same; 1 some do not, or a text does not compile; 2 usage, or nothing could be \
 compared.")]
@@ -71,6 +75,9 @@ pub struct CompareArgs {
     /// which differences a device may hide
     #[arg(long, value_name = "PROFILE", default_value = "vulkan-1.4")]
     pub profile: Vec<String>,
+    /// Ask also whether both have the same bits on every conforming device: the status is 1 if not
+    #[arg(long)]
+    pub same_bits: bool,
     /// Samples per pair
     #[arg(long, value_name = "N", default_value_t = SAMPLES, value_parser = clap::value_parser!(u64).range(1..))]
     pub samples: u64,
@@ -131,6 +138,7 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
         profiles: profiles.iter().map(AsRef::as_ref).collect::<Vec<&Profile>>(),
         command: command(args),
         curves: args.report_dir.is_some(),
+        same_bits: args.same_bits,
     };
     let names = texts.each_ref().map(|text| text.name.clone());
     let part = ShardResult { texts: names, unpaired, pairs: Vec::new(), page: args.report_dir.clone() };
@@ -215,7 +223,7 @@ impl Printed for ShardResult {
         } else if !summary.pairs.iter().any(Compared::is_known) {
             writeln!(to.err, "error: nothing could be compared")?;
             ExitStatus::Error
-        } else if summary.pairs.iter().any(|pair| pair.unlike.0 > 0) {
+        } else if summary.pairs.iter().any(|pair| pair.unlike.0 > 0 || !pair.same_bits.iter().all(SameBits::holds)) {
             ExitStatus::Findings
         } else {
             ExitStatus::Clean
@@ -248,6 +256,9 @@ fn page(folder: &Path, summary: &Summary) -> anyhow::Result<()> {
 fn command(args: &CompareArgs) -> String {
     let mut words = format!("shadercheck compare {} {}", shell_word(&args.first), shell_word(&args.second));
     words += &args.input.words();
+    if args.same_bits {
+        words.push_str(" --same-bits");
+    }
     for (name, value) in &args.define_second {
         words = format!("{words} --define-second {}", shell_word(&format!("{name}={value}")));
     }

@@ -1,6 +1,7 @@
 //! `shadercheck fuzz`: every function of a shader file on generated inputs, without a suite.
 
 mod job;
+mod reproducible;
 mod stub;
 
 use std::io::Write;
@@ -25,6 +26,7 @@ use engine::fuzz::{self, BadHint, Domain, Stated, Subject};
 use judge::profile::Promises;
 use lanes::{Lane, StandIn, Wanted};
 use program::{ProgramError, Written};
+use syntax::errors;
 
 pub use job::ShardResult;
 use job::{Functions, Lines};
@@ -57,6 +59,8 @@ make findings. Outputs that are themselves too large, indices, integers and endl
 every input has a stated domain; a signed sum or product that wraps is a note without --strict-integers. A \
 function that loses digits (ill-conditioned) gets a warning. A sample is undetermined if it is inconclusive, because the function has no value there or the API \
 promises too little.
+
+Reproducible. With --reproducible, nothing is judged: for each output the report says whether every conforming device gives the same bits for the same inputs (fixed), would if everything were `precise`, or is free to give others, with each operation that leaves it open: a product and a sum that may become one operation, terms that may change their order, functions and quotients that are promised within an error, comparisons of what differs already. Sums and products count as rounded to nearest. The bits of all available lanes stand beside. The status is 1 if an output is not fixed.
 
 Exit status: 0 no finding; 1 findings, or a file that does not compile; 2 usage, a lane of --lane that is \
 unavailable, or nothing could be run.")]
@@ -98,6 +102,12 @@ pub struct FuzzArgs {
     /// Also report signed sums and products that do not fit 32 bits, although every language lets them wrap
     #[arg(long)]
     pub strict_integers: bool,
+    /// Instead, say which outputs have the same bits on every conforming device, and what leaves the others open
+    #[arg(long, conflicts_with_all = ["write_suite", "notes", "arbitrary", "strict_integers"])]
+    pub reproducible: bool,
+    /// What devices promise, for --reproducible: a shipped profile by name, or a file that `calibrate` wrote
+    #[arg(long, value_name = "PROFILE", requires = "reproducible", hide_short_help = true)]
+    pub profile: Option<String>,
     /// Write a first suite for each function that ran, beside its file; existing files are kept
     #[arg(long)]
     pub write_suite: bool,
@@ -145,6 +155,10 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
         .map(|source| source.with_prelude(super::prelude(args.prelude.as_deref())))
         .map(|source| source.assuming(&args.input.define, &mut hosts))
         .collect();
+    if args.reproducible {
+        anyhow::ensure!(shard.is_none(), "--reproducible looks at all functions in one run: leave out --shard");
+        return reproducible::run(args, &sources, &stated, out, err, color);
+    }
     let printed = sources.iter().find(|s| s.printed);
     if let Some(printed) = printed.filter(|_| args.write_suite) {
         anyhow::bail!("--write-suite writes a suite beside a shader file, and {} stands in another file", printed.name);
@@ -227,9 +241,20 @@ pub(super) fn subjects(
     let told = |errors: &mut dyn Iterator<Item = Diagnostic>| -> Vec<Diagnostic> {
         errors.map(Diagnostic::at_origin).map(|d| source.explained(d)).collect()
     };
-    let errors = told(&mut parsed.diagnostics.into_iter().filter(|d| d.severity == Severity::Error));
+    let mut errors: Vec<Diagnostic> =
+        parsed.diagnostics.into_iter().filter(|d| d.severity == Severity::Error).collect();
+    // The functions of a stage without `main` are those of a library.
+    errors.retain(|error| error.code != errors::MISSING_MAIN || !error.span.is_empty());
+    // What another preprocessor reads before a compiler does: the linter believes none of it either.
+    let is_of_host = |error: &Diagnostic| errors::is_of_the_text(error.code) && error.code != errors::INCLUDE;
+    let doubtful = reading::open::doubtful(&parsed.shader, &errors, errors::Around::empty());
+    let first = errors.iter().find(|error| is_of_host(error));
+    if let Some(first) = first.filter(|_| doubtful.iter().all(|doubtful| *doubtful)) {
+        let open = "its host has to make it a whole shader";
+        return Ok((Vec::new(), vec![without(source, open, &first.clone().at_origin())]));
+    }
     if !errors.is_empty() {
-        return Ok((errors, Vec::new()));
+        return Ok((told(&mut errors.into_iter()), Vec::new()));
     }
     // What is wrong whatever a host adds does not keep the rest from being run.
     let errors = told(&mut source.lacking(define).into_iter());

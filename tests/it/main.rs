@@ -54,6 +54,7 @@ mod refdata;
 mod refused;
 mod regress;
 mod repairs;
+mod reproducible;
 mod sarif;
 mod schema;
 mod schemas;

@@ -19,6 +19,7 @@ pub mod guess;
 pub mod improve;
 mod input_value;
 pub mod mutate;
+pub mod reproducible;
 pub mod session;
 pub mod shard;
 pub mod suite;

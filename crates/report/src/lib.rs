@@ -19,6 +19,8 @@ pub mod mutate;
 pub mod page;
 #[cfg(feature = "run")]
 pub mod refdata;
+#[cfg(feature = "run")]
+pub mod reproducible;
 mod reviewdog;
 mod sarif;
 #[cfg(feature = "run")]

@@ -13,11 +13,12 @@ mod meaning;
 mod on_lanes;
 mod pairing;
 mod resolution;
+mod same_bits;
 
 use serde::{Deserialize, Serialize};
 
 use crate::activity;
-use crate::fuzz::{Domain, Ready, Subject, drawn, given, stream_key};
+use crate::fuzz::{Domain, PILOT, Ready, Subject, drawn, given, stream_key};
 use base::value::Batch;
 use judge::profile::Profile;
 use judge::verdict::{ENDLESS, Oracle, Reason, Reference, Rounds};
@@ -31,6 +32,7 @@ pub use meaning::Unlike;
 pub use on_lanes::OnLane;
 pub use pairing::{Pairing, Unpaired, pairing};
 pub use resolution::Resolution;
+pub use same_bits::SameBits;
 
 /// Samples of one batch.
 const BATCH: usize = 1 << 14;
@@ -56,6 +58,8 @@ pub struct Request<'p> {
     pub command: String,
     /// Whether both are followed over their inputs, for charts.
     pub curves: bool,
+    /// Whether it is asked if both have the same bits on every conforming device.
+    pub same_bits: bool,
 }
 
 /// What came of a pair of functions.
@@ -88,6 +92,9 @@ pub struct Compared {
     pub resolution: Option<[Resolution; 2]>,
     /// Outputs of lanes.
     pub lanes: Vec<OnLane>,
+    /// For each output that both have, whether its bits are the same on every conforming device, where that was asked for.
+    #[serde(default)]
+    pub same_bits: Vec<SameBits>,
     /// Both over components of their inputs, where that was asked for: of a whole run alone.
     #[serde(skip)]
     pub curves: Vec<Curve>,
@@ -142,6 +149,7 @@ pub fn run(
         accuracy: Vec::new(),
         resolution: None,
         lanes: Vec::new(),
+        same_bits: Vec::new(),
         curves: Vec::new(),
     };
     let pair = match bind(subjects) {
@@ -163,6 +171,8 @@ pub fn run(
     let mut accuracy: Vec<_> = request.profiles.iter().map(|profile| accuracy::Gauge::new(&pair, profile)).collect();
     let mut on: Vec<_> =
         lanes.iter().map(|lane| on_lanes::Both::new(*lane, &pair, BATCH.min(samples as usize))).collect();
+    let pilot = || drawn(ready, domain, key, (0, PILOT), !domain.is_stated());
+    let mut bits = request.same_bits.then(|| same_bits::Bits::new(&pair, request.profiles[0], &pilot()));
     for (realistic, count) in [(true, samples - arbitrary), (false, arbitrary)] {
         let mut first = 0;
         while first < count && !interrupt::asked() {
@@ -186,6 +196,7 @@ pub fn run(
             if realistic {
                 accuracy.iter_mut().for_each(|gauge| gauge.see(&batch, &fed));
                 on.iter_mut().for_each(|both| both.see(&batch, &fed, &differing));
+                bits.iter_mut().for_each(|bits| bits.see(&batch, &fed));
             }
             first += some as u64;
             compared.samples += some as u64;
@@ -207,6 +218,7 @@ pub fn run(
     }
     compared.accuracy = accuracy.into_iter().map(accuracy::Gauge::finish).collect();
     compared.resolution = if case.is_none() && !interrupt::asked() { resolution::of(&pair, domain, key) } else { None };
+    compared.same_bits = bits.map_or_else(Vec::new, |bits| bits.finish(&reproduce));
     compared.lanes = on.into_iter().map(on_lanes::Both::finish).collect();
     Ok(compared)
 }

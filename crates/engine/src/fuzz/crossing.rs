@@ -11,7 +11,7 @@ use property::{Sample, Stream};
 const ROUNDINGS: f64 = 1.0 / (1_u64 << 18) as f64;
 
 /// Samples of which the usual size of an output comes.
-pub(super) const PILOT: usize = 256;
+pub const PILOT: usize = 256;
 
 /// How much more than a rounding of the inputs those on the way may move the output. `exp(x) - 1` beside 0 loses many
 /// thousand times as much as its input has, for want of a better formula; `x - y` of inputs that are nearly equal does not.
@@ -21,7 +21,7 @@ const MORE: f64 = 1024.0;
 const NEIGHBOURS: u64 = 6;
 
 /// The usual size of each output word of the first vertex: the median over samples.
-pub(super) fn sizes(ready: &Ready, batch: &Batch) -> Vec<f64> {
+pub fn sizes(ready: &Ready, batch: &Batch) -> Vec<f64> {
     let mut wide = Machine::new(&ready.executable, Binary64::default(), ROUNDS);
     let all: Vec<usize> = (0..batch.invocation_count()).collect();
     let mut found = vec![Vec::new(); ready.kernel.output.vertex.words()];

@@ -30,6 +30,7 @@ mod subject;
 mod words;
 mod wrapper;
 
+pub(crate) use crossing::{PILOT, sizes};
 pub use domain::{Domain, InputDomain, Interval, Law, MODERATE, Shrinking, Stated, Within};
 pub use finding::{Finding, FunctionReport, FuzzFindingKind, LaneReport, Part, Severity, WORKGROUPS};
 pub use generate::{batch, stream_key};
@@ -45,4 +46,4 @@ pub use scan::{LIMIT, ROUNDS, Trouble};
 pub(crate) use scan::{Look, scan};
 pub(crate) use stage::{kernel, stage_of};
 pub use subject::{BadHint, Ready, Subject, subjects};
-pub(crate) use words::operation;
+pub(crate) use words::{operation, word_of};

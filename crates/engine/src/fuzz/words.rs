@@ -161,7 +161,7 @@ fn precise(program: &Program) -> &'static str {
 }
 
 /// The name of a function as a word of a command.
-pub(super) fn word_of(label: &str) -> String {
+pub(crate) fn word_of(label: &str) -> String {
     let plain = label.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     if plain { label.to_owned() } else { format!("'{label}'") }
 }

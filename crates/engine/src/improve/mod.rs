@@ -467,6 +467,7 @@ impl One<'_> {
             profiles: vec![self.request.profile],
             command: self.request.command.clone(),
             curves: false,
+            same_bits: false,
         };
         self.gains(second)?;
         let compared = compare::run([self.subject, second], self.domain, self.lanes, &request)?;

@@ -17,6 +17,7 @@ mod columns;
 mod decay;
 mod decision;
 mod folded;
+mod freedom;
 mod functions;
 mod held;
 mod inherited;
@@ -46,6 +47,7 @@ use program::interp::{
 use arena::{Arena, Id, MOST, Meta, NodeKind, Slots};
 pub use decay::FADED;
 pub use folded::Fold;
+pub use freedom::{Freed, Freedom, Freedoms};
 pub use memory::Cell;
 pub use model::Model;
 pub(crate) use model::gap;
@@ -92,6 +94,8 @@ pub struct Tape<'p> {
     tangents: Option<tangent::Tangents>,
     /// Binary32 numbers between which values lie, where they are wanted and known.
     brackets: Option<brackets::Brackets>,
+    /// Decisions that may fall either way, where somebody asks what they compare.
+    decisions: Option<Vec<freedom::OpenDecision>>,
 }
 
 impl<'p> Tape<'p> {
@@ -112,6 +116,7 @@ impl<'p> Tape<'p> {
             sweep: sweep::Scratch::default(),
             tangents: None,
             brackets: None,
+            decisions: None,
         }
     }
 
@@ -234,6 +239,9 @@ impl Domain for Tape<'_> {
         if let Some(folding) = &mut self.folding {
             folding.begin();
         }
+        if let Some(decisions) = &mut self.decisions {
+            decisions.clear();
+        }
         // Node 0 holds zeros: what a column holds that nobody wrote.
         if self.arena.nodes.is_empty() {
             self.leaf(|value| value.fill(0.0));
@@ -316,6 +324,7 @@ impl Domain for Tape<'_> {
         for (slot, out) in out.iter_mut().enumerate() {
             *out = u32::from(op.holds(x[slot], y[slot]));
         }
+        self.note_decision(site, [a as Id, b as Id], &forks);
         self.decide(site, &forks, &mut |slot| out[slot] ^= 1);
     }
 
@@ -329,6 +338,7 @@ impl Domain for Tape<'_> {
             });
         }
         let forks: Vec<usize> = active.slots().filter(|&slot| !e[slot].is_finite()).collect();
+        self.note_decision(site, [a as Id; 2], &forks);
         self.note_fork(site, forks.into_iter());
     }
 
@@ -377,6 +387,7 @@ impl Domain for Tape<'_> {
                 continue;
             }
             self.edges[slot] |= texel && self.forks[slot].is_none();
+            self.note_decision(site, [a as Id; 2], &[slot]);
             self.note_fork(site, [slot].into_iter());
         }
         self.note_words(site, op, a as Id, out);

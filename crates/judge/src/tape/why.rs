@@ -191,7 +191,7 @@ impl Tape<'_> {
         moved / value(id).abs()
     }
 
-    fn arguments(&self, id: Id, slot: usize) -> impl Iterator<Item = Id> + use<> {
+    pub(super) fn arguments(&self, id: Id, slot: usize) -> impl Iterator<Item = Id> + use<> {
         let both = match self.arena.nodes[id as usize].kind {
             NodeKind::Leaf => [None, None],
             NodeKind::Sum { a, signs: (_, 0.0), .. } | NodeKind::One { a, .. } => [Some(a), None],
@@ -203,7 +203,7 @@ impl Tape<'_> {
         both.into_iter().flatten()
     }
 
-    fn argument_values(&self, id: Id, slot: usize) -> Vec<f64> {
+    pub(super) fn argument_values(&self, id: Id, slot: usize) -> Vec<f64> {
         self.arguments(id, slot).map(|a| self.arena.value.get(a as usize)[slot]).collect()
     }
 

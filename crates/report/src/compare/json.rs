@@ -5,7 +5,8 @@ use serde_json::{Map, Value};
 
 use super::Summary;
 use crate::fuzz::{Input, inputs};
-use engine::compare::{Accuracy, Compared, OnLane, Resolution, Unlike, Unpaired, Worst};
+use crate::reproducible::Place;
+use engine::compare::{Accuracy, Compared, OnLane, Resolution, SameBits, Unlike, Unpaired, Worst};
 
 #[derive(Serialize)]
 struct Root<'a> {
@@ -46,6 +47,22 @@ struct Pair<'a> {
     accuracy: Vec<Bounds<'a>>,
     resolution: Option<[Distinct; 2]>,
     lanes: Vec<Outputs<'a>>,
+    /// For each output, where that was asked for.
+    same_bits: Vec<Bits<'a>>,
+}
+
+/// Samples by what is known of the bits of an output, and what is left to devices in each of the two.
+#[derive(Serialize)]
+struct Bits<'a> {
+    output: &'a str,
+    holds: bool,
+    same: u64,
+    other: u64,
+    open: u64,
+    inputs: Option<Vec<Input<'a>>>,
+    reproduce: Option<&'a str>,
+    first: Vec<Place<'a>>,
+    second: Vec<Place<'a>>,
 }
 
 #[derive(Serialize)]
@@ -109,7 +126,8 @@ struct Outputs<'a> {
 
 /// The report as one object, with a line break.
 pub fn json(summary: &Summary) -> String {
-    let fails = summary.pairs.iter().any(|pair| pair.unlike.0 > 0) || !summary.pairs.iter().any(Compared::is_known);
+    let fails = summary.pairs.iter().any(|pair| pair.unlike.0 > 0 || !pair.same_bits.iter().all(SameBits::holds))
+        || !summary.pairs.iter().any(Compared::is_known);
     let names = |side: usize| summary.unpaired[side].iter().map(|one| one.function.as_str()).collect();
     let root = Root {
         status: if fails { "fail" } else { "pass" },
@@ -150,6 +168,22 @@ fn pair(pair: &Compared) -> Pair<'_> {
         accuracy: pair.accuracy.iter().map(bounds).collect(),
         resolution: pair.resolution.as_ref().map(|both| both.each_ref().map(distinct)),
         lanes: pair.lanes.iter().map(outputs).collect(),
+        same_bits: pair.same_bits.iter().map(bits).collect(),
+    }
+}
+
+fn bits(of: &SameBits) -> Bits<'_> {
+    let places = |side: usize| of.places[side].iter().map(Place::of).collect();
+    Bits {
+        output: &of.output,
+        holds: of.holds(),
+        same: of.same,
+        other: of.other,
+        open: of.open,
+        inputs: of.first.as_ref().map(|(own, _)| inputs(own)),
+        reproduce: of.first.as_ref().map(|(_, command)| command.as_str()),
+        first: places(0),
+        second: places(1),
     }
 }
 

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::Summary;
 use crate::word::readable;
 use engine::InputValue;
-use engine::compare::{Accuracy, Compared, OnLane, Resolution, Unlike, Worst};
+use engine::compare::{Accuracy, Compared, OnLane, Resolution, SameBits, Unlike, Worst};
 
 /// The report.
 pub fn text(summary: &Summary, color: bool) -> String {
@@ -112,6 +112,39 @@ fn details(text: &mut String, pair: &Compared) {
     }
     for lane in &pair.lanes {
         on_lane(text, lane);
+    }
+    for bits in &pair.same_bits {
+        same_bits(text, bits);
+    }
+}
+
+/// Operations of each side that are shown.
+const PLACES: usize = 4;
+
+fn same_bits(text: &mut String, bits: &SameBits) {
+    let SameBits { output, same, other, open, first, places } = bits;
+    let all = same + other + open;
+    let says = if bits.holds() {
+        format!("the same on every conforming device in all {all} samples")
+    } else {
+        format!(
+            "the same on every conforming device in {same} of {all} samples, {other} differ in strict binary32, {open} are left to devices"
+        )
+    };
+    let _ = writeln!(text, "  same bits  `{output}`: {says}");
+    if let Some((at, reproduce)) = first {
+        let _ = writeln!(text, "             other bits at {}\n             reproduce  {reproduce}", inputs(at));
+    }
+    if bits.holds() {
+        return;
+    }
+    for (which, places) in ["first", "second"].iter().zip(places) {
+        for place in places.iter().take(PLACES) {
+            let _ = writeln!(text, "             {which}: {}", crate::reproducible::of_place(place));
+        }
+        if places.len() > PLACES {
+            let _ = writeln!(text, "             {which}: and {} more", places.len() - PLACES);
+        }
     }
 }
 

@@ -1,0 +1,80 @@
+//! `shadercheck fuzz --reproducible`: which outputs have the same bits on every conforming device.
+
+use std::io::Write;
+
+use super::{FuzzArgs, IncludedText, Inputs, all_known, command, subjects};
+use crate::cli::check::{Format, profile};
+use crate::cli::status::ExitStatus;
+use base::diagnostic::Lang;
+use engine::fuzz::Stated;
+use engine::reproducible::{self, Request};
+use lanes::{Lane, StandIn, Wanted};
+use report::reproducible::{Summary, json, text};
+
+/// What devices promise, where nothing else is asked for.
+const PROFILE: &str = "vulkan-1.4";
+
+/// Looks at every function of the texts: the report goes to `out`, what does not compile to `err`.
+pub(super) fn run(
+    args: &FuzzArgs,
+    sources: &[IncludedText],
+    stated: &[Stated],
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+    color: bool,
+) -> anyhow::Result<ExitStatus> {
+    let Some(profile) = profile::named(args.profile.as_deref().unwrap_or(PROFILE))? else {
+        anyhow::bail!("--profile: what devices may do differently follows from what they promise; `none` has nothing");
+    };
+    let opened = Wanted { stand_in: StandIn::Beside, ..Wanted::named(&args.lane) }.open()?;
+    let missing: Vec<String> = opened.missing.iter().map(|(name, error)| format!("lane `{name}`: {error}")).collect();
+    anyhow::ensure!(args.lane.is_empty() || missing.is_empty(), "{}", missing.join("; "));
+    let lanes: Vec<&dyn Lane> = opened.lanes.iter().map(AsRef::as_ref).collect();
+    let mut inputs = Inputs::new(stated);
+    let mut summary = Summary { functions: Vec::new(), not_run: Vec::new() };
+    let (mut known, mut broken) = (Vec::new(), false);
+    for source in sources {
+        for note in source.notes() {
+            writeln!(err, "note: {note}")?;
+        }
+        let (errors, subjects) = subjects((&args.function, &args.input.define), source, &mut known)?;
+        for error in &errors {
+            err.write_all(report::diagnostics::text(error, Lang::En, false).as_bytes())?;
+        }
+        broken |= !errors.is_empty();
+        let command = format!("{} --reproducible", command(args, source));
+        for subject in &subjects {
+            let domain = inputs.domain(subject)?;
+            let request = Request {
+                samples: args.samples,
+                seed: args.input.seed,
+                case: args.case.as_deref(),
+                profile: &profile,
+                lanes: &lanes,
+                command: &command,
+            };
+            match reproducible::run(subject, &domain, &request) {
+                Ok(report) => summary.functions.push(report),
+                Err(why) if why.starts_with("--case") => anyhow::bail!("{why}"),
+                Err(why) => summary.not_run.push((subject.label.clone(), why)),
+            }
+        }
+    }
+    if !broken {
+        all_known(&args.function, &known)?;
+    }
+    inputs.all_used()?;
+    let printed = match args.format {
+        Format::Json => json(&summary),
+        Format::Text => text(&summary, color),
+    };
+    out.write_all(printed.as_bytes())?;
+    Ok(if broken || summary.has_findings() {
+        ExitStatus::Findings
+    } else if summary.functions.is_empty() {
+        writeln!(err, "error: nothing could be run")?;
+        ExitStatus::Error
+    } else {
+        ExitStatus::Clean
+    })
+}
