@@ -87,6 +87,11 @@ fn constants_of_a_pipeline_without_a_value_have_a_plain_one() {
     let text = "override width: f32;\noverride tiles: u32;\nfn f(x: f32) -> f32 { return x * width + f32(tiles); }\n";
     let ran = fuzz("pipeline.wgsl", text, "").expect(0);
     assert!(ran.err.contains("assumed --define width=1 --define tiles=64: names that nothing defines"), "{ran:?}");
+    let tile = "override w: u32;\noverride h: u32;\n@group(0) @binding(0) var<storage, read_write> o: array<u32>;\n\
+                @compute @workgroup_size(w, h) fn main(@builtin(global_invocation_id) id: vec3u) {\n\
+                if id.x < arrayLength(&o) && id.y == 0u { o[id.x] = id.x; }\n}\n";
+    let ran = fuzz("tile.wgsl", tile, "").expect(0);
+    assert!(ran.err.contains("assumed --define w=8 --define h=8"), "{ran:?}");
     let ran = fuzz("pipeline.wgsl", text, "--define width=640").expect(0);
     assert!(ran.err.contains("assumed --define tiles=64: a name that nothing defines"), "{ran:?}");
 }
@@ -185,4 +190,37 @@ fn functions_of_another_file_of_the_project_are_taken_from_it() {
     file("other.glsl", "float noise(vec2 p) { return p.x; }\n");
     let ran = run();
     assert!(ran.err.contains("`noise` as a function that gives `float`") && !ran.err.contains("taken from"), "{ran:?}");
+}
+
+/// Functions that read and write storage by index, without a kernel that calls them.
+const STORED: &str = "struct Body { at: vec3f, mass: f32 }\n\
+    @group(0) @binding(0) var<storage, read> bodies: array<Body>;\n\
+    @group(0) @binding(1) var<storage, read_write> o: array<f32>;\n\
+    fn pull(i: u32, p: vec3f) -> vec3f {\n\
+    return normalize(bodies[i].at - p) * bodies[i].mass;\n}\n\
+    fn put(slot: i32, x: f32) { o[slot] = x * x + f32(arrayLength(&o)); }\n";
+
+#[test]
+fn a_function_that_reads_storage_is_run_alone() {
+    let ran = fuzz("stored.wgsl", STORED, "").expect(0);
+    assert!(ran.out.contains("2 functions run, 0 not run, 0 findings"), "{ran:?}");
+    let fault = "stored.wgsl:5:8: `return.x` has no value: `normalize(bodies[i].at - p)` of a zero vector";
+    assert!(ran.out.contains(fault), "{ran:?}");
+    // Elements that are there are asked for, and inputs have the names of the function.
+    assert!(!ran.out.contains("outside") && !ran.out.contains("_caller"), "{ran:?}");
+    let right = STORED.replace("normalize(bodies[i].at - p)", "(bodies[i].at - p)");
+    let ran = fuzz("stored.wgsl", &right, "").expect(0);
+    assert!(ran.out.contains("2 functions run, 0 not run, 0 findings, 0 warnings"), "{ran:?}");
+}
+
+#[test]
+fn a_text_that_its_host_makes_whole_is_no_error() {
+    // A stage without `main` has functions; what another preprocessor reads is not run, for that reason.
+    let ran = fuzz("part.frag", "float f(float x) { return 1.0 / x; }\n", "").expect(0);
+    assert!(ran.out.contains("1 function run, 0 not run, 0 findings, 1 warning"), "{ran:?}");
+    let marked = "VARYING_ vec3 normal;\nVARYING_ vec2 uv;\nvoid main() { gl_FragColor = vec4(normal * uv.x, 1.0); }\n";
+    let ran = fuzz("marked.frag", marked, "").expect(2);
+    assert!(ran.out.contains("its host has to make it a whole shader"), "{ran:?}");
+    let wrong = "#version 330\nout vec4 c;\nvoid main() { c = vec4(1.0) + vec3(1.0); }\n";
+    fuzz("wrong.frag", wrong, "").expect(1);
 }

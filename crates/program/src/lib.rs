@@ -53,6 +53,7 @@ pub use drawn::ranges;
 pub use drawn::{Count, Drawn};
 pub use front::{COMPILER, INCOMPLETE, NAGA, UNSUPPORTED, VALIDATOR};
 pub use manner::{Grade, Manner, Manners};
+pub use memory::LENGTH as ELEMENTS_ALONE;
 pub use parameter::Parameter;
 pub use probe::Probed;
 pub use read::{Chosen, Head, ModuleText, OWN, Outline, Param, Runnable, Way, Written, holds_in_any_version, listing};

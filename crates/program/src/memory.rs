@@ -13,8 +13,8 @@ use super::{Entry, Port, PortAt, Program, ProgramError, capture, validate};
 use base::diagnostic::Diagnostic;
 use base::value::{Field, Shape};
 
-/// Elements of an array that is as long as its buffer.
-pub(super) const LENGTH: u32 = 4;
+/// Elements of an array that is as long as its buffer, where one invocation runs alone.
+pub const LENGTH: u32 = 4;
 
 /// A storage block.
 #[derive(Clone, Debug)]
@@ -207,15 +207,49 @@ fn rewrite(function: &mut Function) -> Result<(), ProgramError> {
         .filter(|(_, e)| matches!(e, Expression::ArrayLength(_)))
         .map(|(handle, _)| handle)
         .collect();
-    for handle in lengths {
-        // The builder puts the number before every question for a length.
-        let before = function.expressions.iter().take_while(|(h, _)| *h < handle).last();
-        let Some((number, Expression::Literal(Literal::U32(LENGTH)))) = before else {
-            return Err(ProgramError::internal("a length without its number".to_owned()));
-        };
-        function.expressions[handle] = Expression::As { expr: number, kind: naga::ScalarKind::Uint, convert: Some(4) };
+    for &handle in &lengths {
+        function.expressions[handle] = Expression::Literal(Literal::U32(LENGTH));
+    }
+    if !lengths.is_empty() {
+        not_emitted(&mut function.body, &lengths);
     }
     without_atomics(function)
+}
+
+/// Takes expressions out of what statements evaluate: a number is there without that.
+fn not_emitted(block: &mut Block, all: &[Handle<Expression>]) {
+    let mut changed = Block::new();
+    for (statement, span) in std::mem::take(block).span_into_iter() {
+        match statement {
+            Statement::Emit(range) => {
+                let handles: Vec<Handle<Expression>> = range.collect();
+                for run in handles.split(|handle| all.contains(handle)) {
+                    if let (Some(&first), Some(&last)) = (run.first(), run.last()) {
+                        changed.push(Statement::Emit(Range::new_from_bounds(first, last)), span);
+                    }
+                }
+            }
+            mut other => {
+                match &mut other {
+                    Statement::Block(inner) => not_emitted(inner, all),
+                    Statement::If { accept, reject, .. } => {
+                        not_emitted(accept, all);
+                        not_emitted(reject, all);
+                    }
+                    Statement::Loop { body, continuing, .. } => {
+                        not_emitted(body, all);
+                        not_emitted(continuing, all);
+                    }
+                    Statement::Switch { cases, .. } => {
+                        cases.iter_mut().for_each(|case| not_emitted(&mut case.body, all));
+                    }
+                    _ => {}
+                }
+                changed.push(other, span);
+            }
+        }
+    }
+    *block = changed;
 }
 
 /// Atomic functions become ordinary ones.

@@ -1,8 +1,9 @@
-//! A caller for a function in WGSL that invocations of a workgroup call together: it waits at a barrier, or has memory of its
-//! workgroup. The smallest kernel is made up that calls it once for each invocation.
+//! A caller for a function in WGSL that cannot be called by itself. For one that invocations of a workgroup call together,
+//! since it waits at a barrier or has memory of its workgroup, the smallest kernel is made up that calls it once for each
+//! invocation; for one that reads or writes storage, a kernel of one invocation.
 //!
-//! Arguments are told by their names and types: numbers of invocations and workgroups are those of the kernel, and every other
-//! argument is one number of the host.
+//! Arguments are told by their names and types: numbers of invocations and workgroups are those of the kernel, places in
+//! storage are those of elements that are there, and every other argument is one number of the host.
 
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write as _;
@@ -20,8 +21,37 @@ const CALLER: &str = "_caller";
 /// Number of the first binding that is made up: beyond those of any text.
 const FIRST: usize = 1 << 21;
 
-/// The text with a kernel that calls a function, and the name of the kernel; none where no such kernel can be made up.
-pub(super) fn with_caller(text: &ModuleText, function: &str) -> Option<(ModuleText, String)> {
+/// A kernel that calls a function.
+pub(super) struct MadeCaller {
+    /// The text with it.
+    pub text: ModuleText,
+    /// Its name.
+    pub kernel: String,
+    /// True for one that calls it once, in a dispatch of one invocation, for a function that reads or writes storage.
+    pub alone: bool,
+}
+
+impl MadeCaller {
+    /// What an input or output is called in the function: the kernel has a variable for each.
+    pub fn own_name(&self, name: &str) -> String {
+        let own = name.strip_prefix(self.kernel.as_str()).and_then(|rest| rest.strip_prefix('_'));
+        match own.map(|own| own.strip_prefix(RESULT).unwrap_or(own)) {
+            Some(part) if part.is_empty() || part.starts_with(['.', '[']) => format!("{RETURN}{part}"),
+            own => own.unwrap_or(name).to_owned(),
+        }
+    }
+}
+
+/// What the result of a function is called.
+pub(super) const RETURN: &str = "return";
+/// What a kernel calls what the function gives back.
+const RESULT: &str = "result";
+
+/// Elements that a run of one invocation has of an array that is as long as its buffer.
+const ELEMENTS: u32 = program::ELEMENTS_ALONE;
+
+/// The text with a kernel that calls a function; none where no such kernel can be made up.
+pub(super) fn with_caller(text: &ModuleText, function: &str) -> Option<MadeCaller> {
     let tree = text.tree()?;
     let module = tree.wgsl()?;
     let mut items = module.items.iter();
@@ -29,7 +59,10 @@ pub(super) fn with_caller(text: &ModuleText, function: &str) -> Option<(ModuleTe
         ModuleItem::Function { name, params, returns, .. } if name.name == function => Some((params, returns)),
         _ => None,
     })?;
-    if !is_collective(tree, function) {
+    let (shared, stored) = (variables(&module.items, "workgroup"), variables(&module.items, "storage"));
+    // Invocations of a workgroup call a function together that waits at a barrier or has memory of the workgroup.
+    let together = reaches(tree, function, &|word| word.ends_with("Barrier") || shared.contains(word));
+    if !together && !reaches(tree, function, &|word| stored.contains(word)) {
         return None;
     }
     let file = text.file();
@@ -38,9 +71,16 @@ pub(super) fn with_caller(text: &ModuleText, function: &str) -> Option<(ModuleTe
         return None;
     }
     let own = tree.functions().find(|(_, own)| own.name.name == function).and_then(|(_, own)| body(tree, own));
-    let local = own.map(|span| places(tree, span)).unwrap_or_default();
-    let mut caller =
-        Caller { file, kernel: &kernel, local, declared: String::new(), body: String::new(), binding: FIRST };
+    let places = own.map(|span| places(tree, span, if together { &shared } else { &stored })).unwrap_or_default();
+    let mut caller = Caller {
+        file,
+        kernel: &kernel,
+        alone: !together,
+        places,
+        declared: String::new(),
+        body: String::new(),
+        binding: FIRST,
+    };
     let arguments: Option<Vec<String>> = params.iter().map(|param| caller.argument(param)).collect();
     let call = format!("{function}({})", arguments?.join(", "));
     caller.call(&call, returns.as_ref().map(|(_, ty)| file.slice(ty.span)));
@@ -48,19 +88,17 @@ pub(super) fn with_caller(text: &ModuleText, function: &str) -> Option<(ModuleTe
     out.copy(file, Span::new(0, end));
     out.insert(&caller.finish(invocations(tree, &module.items)), file, end);
     let made = ModuleText::read(&out.finish(file.name()), Written::Wgsl).ok()?;
-    Some((made, kernel))
+    Some(MadeCaller { text: made, kernel, alone: !together })
 }
 
-/// Names that stand in indices into memory of the workgroup.
-fn places(tree: &Shader, within: Span) -> HashSet<String> {
-    let Some(module) = tree.wgsl() else { return HashSet::new() };
-    let shared = shared(&module.items);
+/// Names that stand in indices into some variables.
+fn places(tree: &Shader, within: Span, of: &HashSet<String>) -> HashSet<String> {
     let words =
         tree.tokens().iter().filter(|token| within.touches(token.span)).map(|token| tree.file().slice(token.span));
     let (mut found, mut depth, mut last) = (HashSet::new(), 0, "");
     for word in words {
         match word {
-            "[" if depth > 0 || shared.contains(last) => depth += 1,
+            "[" if depth > 0 || of.contains(last) => depth += 1,
             "]" if depth > 0 => depth -= 1,
             _ if depth > 0 => {
                 found.insert(word.to_owned());
@@ -72,20 +110,17 @@ fn places(tree: &Shader, within: Span) -> HashSet<String> {
     found
 }
 
-/// Names of memory of the workgroup.
-fn shared(items: &[ModuleItem]) -> HashSet<String> {
+/// Names of the variables of a module in an address space.
+fn variables(items: &[ModuleItem], space: &str) -> HashSet<String> {
     let name = |item: &ModuleItem| match item {
-        ModuleItem::Variable(own) if is_shared(own) => Some(own.name.name.clone()),
+        ModuleItem::Variable(own) if own.space.iter().any(|word| word.name == space) => Some(own.name.name.clone()),
         _ => None,
     };
     items.iter().filter_map(name).collect()
 }
 
-/// True for a function that invocations of a workgroup call together: it, or one that it calls, waits at a barrier or has
-/// memory of the workgroup.
-fn is_collective(tree: &Shader, function: &str) -> bool {
-    let Some(module) = tree.wgsl() else { return false };
-    let shared = shared(&module.items);
+/// True where a function, or one that it calls, has such a word.
+fn reaches(tree: &Shader, function: &str, is: &dyn Fn(&str) -> bool) -> bool {
     let bodies: HashMap<&str, Span> =
         tree.functions().filter_map(|(_, own)| Some((own.name.name.as_str(), body(tree, own)?))).collect();
     let (mut open, mut seen) = (vec![function], HashSet::new());
@@ -93,7 +128,7 @@ fn is_collective(tree: &Shader, function: &str) -> bool {
         let Some(span) = bodies.get(name).filter(|_| seen.insert(name)) else { continue };
         let within = tree.tokens().iter().filter(|token| span.touches(token.span));
         for word in within.map(|token| tree.file().slice(token.span)) {
-            if word.ends_with("Barrier") || shared.contains(word) {
+            if is(word) {
                 return true;
             }
             open.extend(bodies.get_key_value(word).map(|(name, _)| *name));
@@ -126,8 +161,11 @@ fn is_shared(variable: &VariableSyntax) -> bool {
 struct Caller<'a> {
     file: &'a SourceFile,
     kernel: &'a str,
-    /// Names in indices into memory of the workgroup: whatever they are called, they tell invocations of one workgroup apart.
-    local: HashSet<String>,
+    /// It is called once.
+    alone: bool,
+    /// Names in indices into the memory that matters, whatever they are called: in that of the workgroup they tell its
+    /// invocations apart.
+    places: HashSet<String>,
     declared: String,
     body: String,
     binding: usize,
@@ -164,8 +202,11 @@ impl Caller<'_> {
             Number::Group => ("w", "w.x"),
         };
         let short: String = ty.chars().filter(|c| !c.is_whitespace()).collect();
+        if self.alone {
+            return Some(self.place(&param.name.name, &short).unwrap_or_else(|| self.plain(&param.name.name, ty)));
+        }
         let own = number(&param.name.name).map(|number| match number {
-            Number::Global if self.local.contains(&param.name.name) => Number::Local,
+            Number::Global if self.places.contains(&param.name.name) => Number::Local,
             number => number,
         });
         if let Some((all, one)) = own.map(numbers) {
@@ -178,11 +219,29 @@ impl Caller<'_> {
                 _ => {}
             }
         }
-        // No host gives a truth value.
-        if short == "bool" {
-            return Some(format!("({} % 2u == 1u)", self.input(&param.name.name, "u32")));
+        Some(self.plain(&param.name.name, ty))
+    }
+
+    /// Any value; no host gives a truth value.
+    fn plain(&mut self, name: &str, ty: &str) -> String {
+        if ty.trim() == "bool" {
+            return format!("({} % 2u == 1u)", self.input(name, "u32"));
         }
-        Some(self.input(&param.name.name, ty))
+        self.input(name, ty)
+    }
+
+    /// The place of an element that is there, for an argument that is one.
+    fn place(&mut self, name: &str, ty: &str) -> Option<String> {
+        if number(name).is_none() && !self.places.contains(name) {
+            return None;
+        }
+        let (wide, whole) = match ty {
+            "u32" | "i32" => ("u32", format!("{ELEMENTS}u")),
+            "vec2u" | "vec2<u32>" | "vec2i" | "vec2<i32>" => ("vec2u", format!("vec2u({ELEMENTS}u)")),
+            "vec3u" | "vec3<u32>" | "vec3i" | "vec3<i32>" => ("vec3u", format!("vec3u({ELEMENTS}u)")),
+            _ => return None,
+        };
+        Some(format!("{ty}({} % {whole})", self.input(name, wide)))
     }
 
     /// A variable of the function or of the invocation, whose address is taken.
@@ -221,13 +280,24 @@ impl Caller<'_> {
             let _ = write!(self.body, "{call};");
             return;
         };
-        let (name, binding) = (format!("{}_result", self.kernel), self.bind());
+        let (name, binding) = (format!("{}_{RESULT}", self.kernel), self.bind());
         let (ty, call) = if ty == "bool" { ("u32", format!("u32({call})")) } else { (ty, call.to_owned()) };
+        if self.alone {
+            let _ = writeln!(self.declared, "@group(0) @binding({binding}) var<storage, read_write> {name}: {ty};");
+            let _ = write!(self.body, "{name} = {call};");
+            return;
+        }
         let _ = writeln!(self.declared, "@group(0) @binding({binding}) var<storage, read_write> {name}: array<{ty}>;");
         let _ = write!(self.body, "let result = {call}; if g.x < arrayLength(&{name}) {{ {name}[g.x] = result; }}");
     }
 
     fn finish(self, size: u32) -> String {
+        if self.alone {
+            return format!(
+                "\n{}@compute @workgroup_size(1) fn {}() {{ {} }}\n",
+                self.declared, self.kernel, self.body
+            );
+        }
         format!(
             "\n{}@compute @workgroup_size({size}) fn {}(@builtin(global_invocation_id) g: vec3u, \
              @builtin(local_invocation_id) l: vec3u, @builtin(local_invocation_index) k: u32, \

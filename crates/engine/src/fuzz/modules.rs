@@ -1,7 +1,7 @@
 //! The entry points and functions of a text that is read as a module, each made ready to run or told why it cannot be.
 
-use super::called::with_caller;
-use super::domain::Law;
+use super::called::{RETURN, with_caller};
+use super::domain::{Law, Stated};
 use super::realistic::Realistic;
 use super::subject::{BadHint, Hints, Made, Ready, Subject, global, made, numbers, reason};
 use super::wrapper::MOST_WORDS;
@@ -37,10 +37,16 @@ fn called(text: &ModuleText, values: &[(String, String)], one: Runnable, alone: 
     if alone.ready.is_ok() || one.stage != Stage::Library {
         return alone;
     }
-    let Some((made, kernel)) = with_caller(text, &one.name) else { return alone };
-    let Some(point) = made.points().into_iter().find(|point| point.name == kernel) else { return alone };
-    let Ok(known) = Known::of(made.tree()) else { return alone };
-    let as_kernel = subject(&made, values, point, &known);
+    let Some(caller) = with_caller(text, &one.name) else { return alone };
+    let Some(point) = caller.text.points().into_iter().find(|point| point.name == caller.kernel) else { return alone };
+    let Ok(known) = Known::of(caller.text.tree()) else { return alone };
+    if caller.alone {
+        let ready = ready(&caller.text, values, &point, &|name| caller.own_name(name));
+        let Ok(ready) = ready.map(|made| readied(made, &one.name, &known)) else { return alone };
+        let stated = stated(&ready, &one.name, &known);
+        return Subject { ready: Ok(ready), stated, made_up: true, ..alone };
+    }
+    let as_kernel = subject(&caller.text, values, point, &known);
     if !matches!(as_kernel.dispatch, Some(Ok(_))) {
         return alone;
     }
@@ -70,6 +76,12 @@ impl<'t> Known<'t> {
         about.map(|stated| stated.law).collect()
     }
 
+    /// What comments state about a function.
+    fn about(&self, function: &str) -> Vec<Stated> {
+        let about = self.hints.as_ref().and_then(|hints| Some(hints.about(self.function(function)?)));
+        about.unwrap_or_default()
+    }
+
     fn function(&self, name: &str) -> Option<&FunctionInfo> {
         self.tree?.functions().find(|(_, info)| info.name.name == name).map(|(_, info)| info)
     }
@@ -94,21 +106,29 @@ impl<'t> Known<'t> {
 fn subject(text: &ModuleText, values: &[(String, String)], one: Runnable, known: &Known<'_>) -> Subject {
     let at = text.file().locate(one.span.start);
     let dispatch = (one.stage == Stage::Compute).then(|| dispatched(text, values, &one)).flatten();
-    let ready = ready(text, values, &one).map(|(program, kernel, executable)| {
-        let realistic = {
-            let guess = |field: &Field| {
-                let role = role(&program, field);
-                (guess::with_uses(field, role, &known.uses(&one.name, field)), role == Role::Varying)
-            };
-            Realistic::new([&kernel.invocation, &kernel.case], &guess)
-        };
-        Box::new(Ready { program, kernel, executable, lowered: None, realistic, far: None })
-    });
-    let about = known.hints.as_ref().and_then(|hints| Some(hints.about(known.function(&one.name)?)));
-    let mut stated = about.unwrap_or_default();
-    stated.extend(ready.iter().flat_map(|r| numbers(r, &r.program.ranges, &stated)).collect::<Vec<_>>());
+    let ready = ready(text, values, &one, &str::to_owned).map(|made| readied(made, &one.name, known));
+    let stated = ready.as_ref().map_or_else(|_| known.about(&one.name), |ready| stated(ready, &one.name, known));
     let name = one.name.split('(').next().unwrap_or_default().to_owned();
     Subject { label: one.name, name, parameters: one.parameters, at, ready, dispatch, stated, made_up: false }
+}
+
+/// A program that can be run, with what its inputs are taken for in a function.
+fn readied((program, kernel, executable): Made, function: &str, known: &Known<'_>) -> Box<Ready> {
+    let realistic = {
+        let guess = |field: &Field| {
+            let role = role(&program, field);
+            (guess::with_uses(field, role, &known.uses(function, field)), role == Role::Varying)
+        };
+        Realistic::new([&kernel.invocation, &kernel.case], &guess)
+    };
+    Box::new(Ready { program, kernel, executable, lowered: None, realistic, far: None })
+}
+
+/// What is stated of the inputs of a function, by comments and by the draw.
+fn stated(ready: &Ready, function: &str, known: &Known<'_>) -> Vec<Stated> {
+    let mut stated = known.about(function);
+    stated.extend(numbers(ready, &ready.program.ranges, &stated));
+    stated
 }
 
 fn dispatched(
@@ -123,13 +143,25 @@ fn dispatched(
     }
 }
 
-fn ready(text: &ModuleText, values: &[(String, String)], one: &Runnable) -> Result<Made, String> {
+/// A program that can be run. `named` gives what its inputs and outputs are called.
+fn ready(
+    text: &ModuleText,
+    values: &[(String, String)],
+    one: &Runnable,
+    named: &dyn Fn(&str) -> String,
+) -> Result<Made, String> {
     let chosen = match one.stage {
         Stage::Library => Chosen::Function(&one.name),
         stage => Chosen::Point { stage: Some(stage), name: Some(&one.name) },
     };
     let program = text.program(chosen, values).map_err(|error| reason(&error))?;
-    let program = program.with_memory_inside().map_err(|error| reason(&error))?;
+    let mut program = program.with_memory_inside().map_err(|error| reason(&error))?;
+    let fed = program.inputs.iter_mut().chain(&mut program.uniforms);
+    for port in fed.chain(&mut program.outputs) {
+        port.field.name = named(&port.field.name);
+    }
+    // What a function gives back is none of its inputs.
+    program.inputs.retain(|port| !port.field.name.starts_with(RETURN));
     let ports = program.inputs.iter().chain(&program.uniforms).chain(&program.outputs);
     let words: usize = ports.map(|port| port.field.shape.words()).sum();
     if words > MOST_WORDS {

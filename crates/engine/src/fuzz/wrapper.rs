@@ -92,7 +92,8 @@ impl WrapperText {
     fn input(&mut self, variable: &str, shown: &str, leaves: &[Leaf]) {
         for (path, shape) in leaves {
             let name = format!("sc_i{}", self.inputs.len());
-            self.params.push(format!("in {}", declared(&shape.to_string(), &name)));
+            // Without `in`, which the text may have defined as something else.
+            self.params.push(declared(&shape.to_string(), &name));
             for at in elements(path, *shape) {
                 let _ = writeln!(self.before, "  {variable}{path}{at} = {name}{at};");
             }

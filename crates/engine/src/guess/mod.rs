@@ -98,8 +98,20 @@ pub fn with_uses(field: &Field, role: Role, uses: &Uses) -> Guess {
     }
     let named = words::candidates(&field.name).into_iter().find(|guess| fits(guess, shape));
     let found = named.or_else(|| by_use(shape, uses)).unwrap_or_else(|| by_type(shape, role));
-    narrowed(found, shape, uses)
+    let found = narrowed(found, shape, uses);
+    match found.range {
+        // What a host sets, and something is divided by, is not 0.
+        Some([low, high])
+            if role == Role::Uniform && found.generator == "interval" && uses.has(Usage::Divisor) && high > DIVISOR =>
+        {
+            Guess { range: Some([if low < 0.0 { low } else { low.max(DIVISOR) }, high]), ..found }
+        }
+        _ => found,
+    }
 }
+
+/// The least that a host sets something to that is divided by.
+const DIVISOR: f64 = 1.0 / 64.0;
 
 /// A matrix: what its name says that it maps.
 fn matrix(name: &str, shape: Shape) -> Guess {
@@ -241,6 +253,8 @@ mod tests {
             ("vnormal", vec3, "direction", "a direction"),
             ("zeta", Shape::FLOAT, "interval", "any number"),
             ("allocation", vec3, "interval", "any number"),
+            ("half_vector", vec3, "direction", "a direction"),
+            ("u_aspect_ratio", Shape::FLOAT, "interval", "a size"),
         ] {
             assert_eq!(guessed(name, shape), (generator, taken_for), "{name}");
         }

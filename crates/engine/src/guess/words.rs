@@ -26,7 +26,7 @@ const WORDS: &[(&[&str], Guess)] = &[
         &["normal", "normals", "tangent", "bitangent", "binormal", "direction", "dir", "axis", "ray", "forward"],
         DIRECTION,
     ),
-    (&["quat", "quaternion", "orientation"], DIRECTION),
+    (&["quat", "quaternion", "orientation", "halfvector", "halfvec", "halfway"], DIRECTION),
     (
         &[
             "color",
@@ -101,6 +101,7 @@ const WORDS: &[(&[&str], Guess)] = &[
         ],
         guess("interval", Some([0.0, 1.0]), SHARE),
     ),
+    (&["aspectratio"], guess("interval", Some([0.5, 2.0]), SIZE)),
     (&["near", "znear", "start", "mindist"], guess("interval", Some([0.0625, 0.5]), "a near distance")),
     (&["far", "zfar", "end", "maxdist"], guess("interval", Some([4.0, 64.0]), "a far distance")),
     (

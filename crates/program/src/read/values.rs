@@ -19,7 +19,20 @@ impl ModuleText {
             Some(ScalarKind::Sint | ScalarKind::Uint) => "64",
             _ => "1",
         };
-        open.filter_map(|(_, constant)| Some((constant.name.clone()?, plain(constant.ty)))).collect()
+        // Along several axes of a workgroup, 64 each are too many invocations.
+        let axes: Vec<Handle<naga::Override>> = self.module.entry_points.iter().flat_map(|p| self.axes(p)).collect();
+        let value = |handle, constant: &naga::Override| if axes.contains(&handle) { "8" } else { plain(constant.ty) };
+        open.filter_map(|(handle, constant)| Some((constant.name.clone()?, value(handle, constant)))).collect()
+    }
+
+    /// The constants that are sizes of a workgroup, where there are several.
+    fn axes(&self, point: &naga::EntryPoint) -> Vec<Handle<naga::Override>> {
+        let of = |size: Handle<Expression>| match self.module.global_expressions[size] {
+            Expression::Override(constant) => Some(constant),
+            _ => None,
+        };
+        let all: Vec<_> = point.workgroup_size_overrides.iter().flatten().flatten().copied().filter_map(of).collect();
+        if all.len() > 1 { all } else { Vec::new() }
     }
 
     /// Puts values in the place of the constants that are used: those of `values` by name or by the number of `@id`,
