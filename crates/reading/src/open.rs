@@ -310,7 +310,8 @@ fn is_bindless(file: &SourceFile, error: &Diagnostic) -> bool {
 }
 
 /// For each error, whether it stays whatever is defined from outside of that which an `#if` asks and the text does not
-/// define: each name by itself, and all of them. Where a definition leaves the place of an error out, it says nothing.
+/// define: each name by itself, and all of them. Where a definition leaves the place of an error out, it says nothing, but of
+/// an `#error`, which is there to be left out.
 fn under_conditions(shader: &Shader, asked: &BTreeSet<String>, found: &[Diagnostic]) -> Vec<bool> {
     if asked.len() > conditions::MOST_ASKED {
         return vec![true; found.len()];
@@ -321,7 +322,9 @@ fn under_conditions(shader: &Shader, asked: &BTreeSet<String>, found: &[Diagnost
         let other = Shader::parse_with(shader.file(), shader.stage(), &defines);
         for (kept, error) in kept.iter_mut().zip(found).filter(|(kept, _)| **kept) {
             let left_out = conditions::place_of(&other.shader, error.span) == Some(TokenPlace::Inactive);
-            *kept = left_out || stands_in(&other.diagnostics, error);
+            // An `#error` asks whoever defines macros for one of them.
+            let asks = error.code == errors::ERROR_DIRECTIVE;
+            *kept = if left_out { !asks } else { stands_in(&other.diagnostics, error) };
         }
     }
     kept

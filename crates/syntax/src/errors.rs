@@ -96,6 +96,7 @@ errors! {
     ARRAY = "E048" [TYPES | WHOLE] "an array whose size is not known where it must be, or that is used against the rules";
     REDECLARATION = "E049" [GRAMMAR | TYPES | WHOLE] "a block or a redeclaration of a built-in variable against the rules";
     CONSTANT_ARGUMENT = "E050" [TYPES] "an argument that must be a constant expression and is not";
+    PARENTHESES = "E051" [NOTHING] "operators of WGSL that do not stand together without parentheses";
     IMPORT = "E070" [NOTHING] "an import of something that is not there";
     IMPORT_CYCLE = "E071" [NOTHING] "files that import or include each other in a circle";
     TRANSLATE_TIME = "E072" [NOTHING] "an @if, @elif or @else that is written wrongly, or stands where it means nothing";

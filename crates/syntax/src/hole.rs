@@ -1,4 +1,4 @@
-//! Holes: `${x}`, `{{ x }}`, `{% … %}`, `@name`, `%NAME%`, `[[X]]`, `<hook>`. No version of the language has them; a template
+//! Holes: `${x}`, `#{x}`, `{{ x }}`, `{% … %}`, `@name`, `%NAME%`, `%1`, `[[X]]`, `<hook>`. No version of the language has them; a template
 //! engine, or another preprocessor, puts something in their place. Each is one token, which stands for whatever is needed there.
 
 use std::cell::OnceCell;
@@ -138,6 +138,11 @@ impl<'t> Reader<'t> {
                 Lex::Percent => self.up_to("%}"),
                 Lex::Hash => self.up_to("#}"),
                 Lex::LBrace => self.braces(before),
+                // `{BODY}` on a line of its own: a block of one name has a `;`.
+                Lex::Word if first.first && self.line == 3 && self.glued(2) == Some(Lex::RBrace) => {
+                    let name = self.slice(1);
+                    (is_macro(name) && !self.text.contains(&format!("define {name}"))).then_some(3)
+                }
                 // `{decode}(raw)`: no list and no block is called.
                 Lex::Word if (self.glued(2), self.glued(3)) == (Some(Lex::RBrace), Some(Lex::LParen)) => Some(3),
                 // `float w[{COUNT}];`
@@ -150,6 +155,15 @@ impl<'t> Reader<'t> {
                 let closed = (self.glued(3), self.glued(4)) == (Some(Lex::RBracket), Some(Lex::RBracket));
                 (closed && !HINTS.contains(&self.slice(2))).then_some(5)
             }
+            // `#define N #{count}`: no directive begins within a line, and none is called `{`.
+            Lex::Hash if self.glued(1) == Some(Lex::LBrace) => self.bracketed(1),
+            // `#version NAME`
+            Lex::Word if self.directive && before == Some(Lex::Word) => {
+                let of_version = |k: usize| self.at.checked_sub(k).map(|k| &self.text[self.pieces[k].span.range()]);
+                ((of_version(2), of_version(1)) == (Some("#"), Some("version"))).then_some(1)
+            }
+            // `%1` of Qt: where no operand stands before, no remainder is taken.
+            Lex::Percent if !operand && self.glued(1) == Some(Lex::Number) => Some(2),
             Lex::Percent if (self.glued(1), self.glued(2)) == (Some(Lex::Word), Some(Lex::Percent)) => {
                 let goes_on = matches!(self.glued(3), Some(Lex::Word | Lex::Number | Lex::LParen));
                 let remainder = operand && !first.spaced && goes_on;

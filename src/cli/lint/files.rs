@@ -313,9 +313,10 @@ fn take(wanted: Vec<(PathBuf, bool)>, loaded: &mut Loaded) {
 /// Lines of more bytes are written by tools.
 const MOST_BYTES_A_LINE: usize = 5000;
 
-/// True for a script that a tool packed: with lines that nobody writes.
+/// True for a script that a tool packed: most of it stands in lines that nobody writes. One line of data makes no bundle.
 fn is_bundle(text: &str) -> bool {
-    text.lines().any(|line| line.len() > MOST_BYTES_A_LINE)
+    let packed: usize = text.lines().map(str::len).filter(|bytes| *bytes > MOST_BYTES_A_LINE).sum();
+    2 * packed > text.len()
 }
 
 fn add_companions(loaded: &mut Loaded) {

@@ -68,8 +68,11 @@ fn a_bundle_is_read_where_it_is_named() {
     let folder = folder(&[
         ("dist/app.js", format!("{shader} /* {} */", "x".repeat(5000)).as_bytes()),
         ("a.js", shader.as_bytes()),
+        // A picture in one line, among code.
+        ("b.js", format!("const icon = \"{}\";\n{}{shader}", "x".repeat(6000), "work();\n".repeat(1000)).as_bytes()),
     ]);
     let ran = lint(&at(&folder, ""), |_| {});
+    assert!(ran.out.contains("b.js:1002:"), "{}", ran.out);
     assert!(ran.out.contains("a.js:1:") && !ran.out.contains("app.js"), "{}", ran.out);
     assert!(ran.err.contains("app.js: a bundle"), "{}", ran.err);
     let ran = lint(&at(&folder, "dist/app.js"), |_| {});

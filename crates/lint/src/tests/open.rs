@@ -44,6 +44,28 @@ fn a_piece_is_judged_where_it_is_whole() {
 }
 
 #[test]
+fn an_error_directive_asks_its_host_for_a_macro() {
+    let of = |otherwise: &str| {
+        format!(
+            "#version 330\n#ifdef FLAT\nin vec2 p;\n#elif defined(DEEP)\nin vec4 p;\n#else\n{otherwise}\n#endif\n\
+             void main() {{ gl_Position = vec4(p.xy, 0.0, 1.0); }}\n"
+        )
+    };
+    let (default, _) = found(&[("a.vert", &of("#error FLAT or DEEP"))]);
+    assert!(!default.contains(&"E013".to_owned()), "{default:?}");
+    by_default(&[("a.vert", "#version 330\n#error no\nvoid main() { gl_Position = vec4(0.0); }\n")], "E013");
+    let old = "#version 120\n#if __VERSION__ < 130\n#error old\n#endif\nvoid main() { gl_Position = vec4(0.0); }\n";
+    by_default(&[("a.vert", old)], "E013");
+}
+
+#[test]
+fn a_version_that_is_filled_in_is_none() {
+    let text = "#version __CONTEXT__\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n";
+    only_on_request(&[("a.frag", text)], "E002");
+    by_default(&[("a.frag", &text.replace("vec4(1.0)", "vec4(1.0, 2.0)"))], "T002");
+}
+
+#[test]
 fn texts_for_another_reader_are_left_to_it() {
     let shader = |line: &str, body: &str| format!("#version 450\n{line}\nout vec4 c;\nvoid main() {{ c = {body}; }}\n");
     only_on_request(&[("a.frag", &shader("AppInclude(include/Light.glsl)", "light()"))], "E001");

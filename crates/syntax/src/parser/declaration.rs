@@ -157,8 +157,10 @@ impl Parser<'_> {
         let mut declarators = Vec::new();
         self.skipped = false;
         let definition = matches!(ty.kind, TypeKind::Struct(_));
-        // Behind `struct S { … }` without `;` the next line is no name of a variable.
-        if self.peek() != Lex::Semicolon && !(definition && (self.tok(0).first || !self.is_name(0))) {
+        // Behind `struct S { … }` without `;` the next line is no name of a variable, unless it is one alone.
+        let alone = matches!(self.peek_at(1), Lex::Semicolon | Lex::Comma | Lex::LBracket);
+        let named = self.is_name(0) && (alone || !self.tok(0).first);
+        if self.peek() != Lex::Semicolon && (named || !definition) {
             loop {
                 declarators.push(self.declarator()?);
                 if self.eat(Lex::Comma).is_none() {

@@ -472,6 +472,10 @@ impl Preprocessor<'_> {
     }
 
     fn version(&mut self, rest: &[Piece], span: Span) {
+        // What is filled in states it.
+        if rest.first().is_some_and(|p| p.lex == Lex::Hole) {
+            return;
+        }
         let number = rest.first().map(|p| self.slice(p)).unwrap_or_default();
         let known = [100, 110, 120, 130, 140, 150, 300, 310, 320, 330, 400, 410, 420, 430, 440, 450, 460];
         let Some(number) = number.parse::<u32>().ok().filter(|n| known.contains(n)) else {

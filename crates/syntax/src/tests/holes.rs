@@ -59,6 +59,13 @@ fn a_hole_stands_for_what_is_needed_and_the_rest_is_read() {
         "struct S { vec4 a;\n{{ members }}\nvec2 b; };",
         "#if ${WIDE}\nuniform vec4 a;\n#endif",
         "#define SIZE ${size}\nconst int n = SIZE;",
+        "#define SIZE #{size}\nconst int n = SIZE;",
+        "#define WIDE #{wide}\n#if WIDE\nuniform vec4 a;\n#endif",
+        "const float a = #{gray};",
+        "%1",
+        "{UNIFORMS}",
+        "float f(float x) {\n{BODY}\nreturn x; }",
+        "float f(float x) { return x * %1; }",
         "float f(float x) { if (${fast}) { return 1.0; } return x; }",
         "float f(float x) { return f_{{ kind }}(x) + %GAIN%; }",
         "const float a = {% if wide %} 1.0 {% else %} 2.0 {% endif %};",
@@ -86,6 +93,8 @@ fn what_the_language_has_is_no_hole() {
         "float f(float x) { float a[1] = {x}; if (x > 0.0) {x;} (x); return a[0]; }",
         "#define PASTE(a, b) a##b\nfloat f() { float xy = 1.0; return PASTE(x, y); }",
         "#define BODY return 1.0;\nfloat f() {BODY}",
+        "#define BODY return 1.0;\nfloat f()\n{BODY}",
+        "int f(int a) { return a %1 + a% 2; }",
         "bool f(int a, int b, int c) { return a <b && (b> c); }",
     ] {
         let shader = clean(&format!("#version 460\n{text}\n"), Stage::Library);

@@ -110,7 +110,8 @@ impl Parser<'_> {
             "WGSL does not say which comes first: write `({inner})`, or put the parentheses where they are meant",
             "WGSL はどちらを先に計算するか定めていません。`({inner})` とするか、意図した所に括弧を付けてください"
         );
-        self.report(errors::SYNTAX, span, message, help);
+        // What is meant is open, but not how the text goes on.
+        self.report(errors::PARENTHESES, span, message, help);
     }
 
     fn unary(&mut self) -> Read<ExprId> {

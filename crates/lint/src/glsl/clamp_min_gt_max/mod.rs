@@ -8,7 +8,7 @@ use reading::{Project, ShaderFile};
 use syntax::ast::ExprId;
 
 use super::numeric::is_constant;
-use analysis::numeric::{BuiltinCall, calls, in_place, is_plain};
+use analysis::numeric::{BuiltinCall, calls, constant, in_place, is_plain};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -38,6 +38,10 @@ fn mixed_up(file: &ShaderFile, call: &BuiltinCall<'_>, findings: &Findings<'_>) 
         return None;
     }
     let (a, b, x) = (shader.text_of(first), shader.text_of(second), shader.text_of(third));
+    let (least, greatest) = match (constant(shader, first), constant(shader, second)) {
+        (Some(first), Some(second)) if first > second => (b, a),
+        _ => (a, b),
+    };
     let found = findings
         .at(
             &file.file,
@@ -49,8 +53,11 @@ fn mixed_up(file: &ShaderFile, call: &BuiltinCall<'_>, findings: &Findings<'_>) 
         )
         .with_label(message!("the value comes first", "値は最初の引数です"))
         .with_why(message!("the arguments are the value, the least and the greatest", "引数は値・下限・上限の順です"))
-        .with_help(message!("write `clamp({x}, {a}, {b})`", "`clamp({x}, {a}, {b})` と書いてください"));
-    let edits = vec![Edit::replace(shader.expr(call.id).span, format!("clamp({x}, {a}, {b})"))];
+        .with_help(message!(
+            "write `clamp({x}, {least}, {greatest})`",
+            "`clamp({x}, {least}, {greatest})` と書いてください"
+        ));
+    let edits = vec![Edit::replace(shader.expr(call.id).span, format!("clamp({x}, {least}, {greatest})"))];
     let title = message!("put the value first", "値を最初に書く");
     let plain = is_plain(shader, &[call.id, first, second, third]);
     Some(if plain { found.with_fix(title, Safety::Unsafe, edits) } else { found })

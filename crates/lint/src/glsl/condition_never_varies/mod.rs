@@ -1,13 +1,14 @@
 //! T031: comparisons of one value that decide each other.
 
 use std::cmp::Ordering;
+use std::collections::HashSet;
 
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::range::key;
 use base::diagnostic::{Code, Severity, message};
 use reading::ShaderFile;
 use syntax::Shader;
-use syntax::ast::{BinaryOp, ExprId, ExprKind};
+use syntax::ast::{BinaryOp, ExprId, ExprKind, UnaryOp};
 use syntax::symbols::CallTarget;
 use syntax::types::ScalarType;
 
@@ -127,6 +128,13 @@ fn decided(shader: &Shader, id: ExprId) -> Option<bool> {
     }
 }
 
+/// True for `x <= c || c <= x`, which is false for NaN alone: whoever negates it asks for that.
+fn is_number(shader: &Shader, id: ExprId) -> bool {
+    let ExprKind::Binary { op: BinaryOp::Or, op_span: _, left, right } = shader.expr(id).kind else { return false };
+    let (Some(a), Some(b)) = (compared(shader, left), compared(shader, right)) else { return false };
+    matches!((a.bound, b.bound), (Bound::Number(a), Bound::Number(b)) if a == b)
+}
+
 /// What a comparison of an unsigned number with a written 0 always is.
 fn of_unsigned(shader: &Shader, id: ExprId) -> Option<bool> {
     let ExprKind::Binary { op, op_span: _, left, right } = shader.expr(id).kind else { return None };
@@ -149,7 +157,18 @@ fn of_unsigned(shader: &Shader, id: ExprId) -> Option<bool> {
 
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     let shader = &file.shader;
+    let negated: HashSet<ExprId> = shader
+        .arena()
+        .iter()
+        .filter_map(|(_, expr)| match expr.kind {
+            ExprKind::Unary { op: UnaryOp::Not, operand, .. } => Some(bare(shader, operand)),
+            _ => None,
+        })
+        .collect();
     for (id, expr) in shader.arena().iter() {
+        if negated.contains(&id) && is_number(shader, id) {
+            continue;
+        }
         let unsigned = of_unsigned(shader, id);
         let Some(always) = decided(shader, id).or(unsigned).filter(|_| !expr.from_macro) else { continue };
         let message = if always {
@@ -200,6 +219,8 @@ mod tests {
                 "if (s >= 0.0 || s <= 1.0) r = 1.0;",
                 "if (s > 1.0 && s < 0.0) r = 1.0;",
                 "if (0.0 < s || 1.0 > s) r = 1.0;",
+                "if (s <= 0.0 || 0.0 <= s) r = 1.0;",
+                "if (!(s >= 0.0 || s <= 1.0)) r = 1.0;",
             ],
         );
         let wgsl = |line: &str| {
@@ -226,6 +247,8 @@ mod tests {
                 "if (s < 0.0 || s > 1.0) r = 1.0;",
                 "if (s >= 1.0 && s <= 1.0) r = 1.0;",
                 "if (s > 0.0 || t < 1.0) r = 1.0;",
+                // False for NaN alone, which is what is asked.
+                "if (!(s <= 0.0 || 0.0 <= s)) r = 1.0;",
             ],
         );
     }

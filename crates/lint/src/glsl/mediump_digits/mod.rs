@@ -11,7 +11,7 @@ use syntax::interface::Storage;
 use syntax::precision::{Precisions, is_lower};
 use syntax::symbols::{SymbolId, SymbolKind};
 use syntax::types::Type;
-use syntax::{Const, Shader, Stage};
+use syntax::{Const, Shader, Stage, Token, TokenPlace};
 
 use super::pixel_stages;
 use super::walk::declarators;
@@ -327,6 +327,11 @@ fn attribute(shader: &Shader, id: ExprId) -> Option<SymbolId> {
 /// A depth that is read through a sampler of `lowp`, the default: 8 bits.
 fn depth(shader: &Shader, precisions: &Precisions, id: ExprId, sampler: ExprId) -> Option<Message> {
     if !matches!(shader.type_of(sampler), Type::Opaque(_)) || !precisions.is_lowered(sampler) {
+        return None;
+    }
+    // Whoever puts the precision of `float` in front of a text may put that of samplers there.
+    let states = |token: &Token| token.place == TokenPlace::Text && shader.file().slice(token.span) == "precision";
+    if shader.version().span.is_none() && !shader.tokens().iter().any(states) {
         return None;
     }
     let text = shader.text_of(sampler).to_lowercase();
