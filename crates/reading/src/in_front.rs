@@ -86,9 +86,13 @@ impl Fronts {
         if error.code == errors::RESERVED {
             return self.renames && word.starts_with("gl_");
         }
-        let states =
-            || ["version", "extension", "precision"].iter().any(|word| all().any(|words| words.may_have(word)));
+        let has = |word: &&str| all().any(|words| words.may_have(word));
+        let states = || ["version", "extension", "precision"].iter().any(has);
         let version = shader.shader.version();
+        // Into a file that states its version a precision goes behind that.
+        if error.code == errors::PRECISION && version.span.is_some() && host.is_none() {
+            return has(&"precision");
+        }
         // No version of OpenGL ES takes what the first does not, but for what an extension brings.
         let stated = if version.profile == Profile::Es { Around::ENABLED } else { Around::ENABLED | Around::TYPES };
         version.span.is_none() && open::rests(error).intersects(stated) && states()

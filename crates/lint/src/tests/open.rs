@@ -508,3 +508,17 @@ fn a_value_of_another_type_is_an_error_in_any_piece_of_wgsl() {
         assert!(told.is_empty(), "{result}: {told:?}");
     }
 }
+
+#[test]
+fn a_host_may_put_a_precision_behind_a_version() {
+    let text = "#version 300 es\nuniform float k;\nout vec4 c;\nvoid main() { c = vec4(k); }\n";
+    let host = |between: &str| {
+        format!(
+            "import src from './a.frag';\nconst text = src.slice(0, 15) + \"{between}\" + src.slice(15);\n\
+             gl.shaderSource(s, text);\n"
+        )
+    };
+    by_default(&[("a.frag", text)], "V009");
+    by_default(&[("a.frag", text), ("a.js", &host("\\n#define FOG 1"))], "V009");
+    only_on_request(&[("a.frag", text), ("a.js", &host("\\nprecision highp float;"))], "V009");
+}

@@ -75,10 +75,10 @@ fn output(text: &mut String, (function, output): (&BitsReport, &OutputBits), wid
     let paint = |code: &'static str| if color { code } else { "" };
     let (good, bad, weak, off) = (paint("\u{1b}[32m"), paint("\u{1b}[31m"), paint("\u{1b}[33m"), paint("\u{1b}[0m"));
     let spread = match &output.spread {
-        Some((ulp, _)) if *ulp >= ALL && ulp.is_finite() => ": two devices may differ in all digits".to_owned(),
-        Some((ulp, _)) if ulp.is_finite() => format!(": two devices may be {} ULP apart", short(*ulp)),
-        Some(_) => ": nothing bounds how far two devices may be apart".to_owned(),
-        None => String::new(),
+        Some((ulp, _)) if *ulp >= ALL && ulp.is_finite() => "two devices may differ in all digits".to_owned(),
+        Some((ulp, _)) if ulp.is_finite() => format!("two devices may be {} ULP apart", short(*ulp)),
+        Some(_) => "nothing bounds how far two devices may be apart".to_owned(),
+        None => "two devices may differ".to_owned(),
     };
     let standing = output.standing();
     let says = match standing {
@@ -86,9 +86,11 @@ fn output(text: &mut String, (function, output): (&BitsReport, &OutputBits), wid
         Standing::FixedButForEdges => {
             format!("{good}fixed{off}, but for {}", counted(output.edges, "input"))
         }
-        Standing::FixedByPrecise if function.has_precise => format!("{weak}fixed if `precise`{off}{spread}"),
-        Standing::FixedByPrecise => format!("{bad}free{off}{spread}"),
-        Standing::Free => format!("{bad}free{off}{spread}"),
+        Standing::FixedByPrecise if function.has_precise => {
+            format!("{weak}fixed if `precise`{off}; as it stands, {spread}")
+        }
+        Standing::FixedByPrecise => format!("{bad}free{off}: {spread}"),
+        Standing::Free => format!("{bad}free{off}: {spread}"),
         Standing::Unknown => format!("{weak}not decided{off}: a comparison lies nearer than rounding"),
     };
     let _ = writeln!(text, "  {:<width$}  {says}", output.name);
