@@ -522,3 +522,18 @@ fn a_host_may_put_a_precision_behind_a_version() {
     by_default(&[("a.frag", text), ("a.js", &host("\\n#define FOG 1"))], "V009");
     only_on_request(&[("a.frag", text), ("a.js", &host("\\nprecision highp float;"))], "V009");
 }
+
+#[test]
+fn a_name_in_capitals_on_its_own_line_is_filled_in() {
+    let text = "attribute vec4 p;\nvoid main() {\n\tVERTEX_SUPPORT\n\tgl_Position = p;\n}\n";
+    only_on_request(&[("a.vert", text)], "E001");
+    by_default(&[("a.vert", &text.replace("= p", "= vec4(p, 1.0)"))], "T001");
+}
+
+#[test]
+fn missing_parentheses_hide_no_other_error_of_a_piece() {
+    let text =
+        "fn f(s: u32, c: u32) -> u32 { return s % c & (c - 1u); }\nfn g() -> i32 { let q: i32 = 1.5; return q; }\n";
+    by_default(&[("a.wgsl", text)], "E051");
+    by_default(&[("a.wgsl", text)], "E030");
+}

@@ -163,11 +163,22 @@ impl Checker<'_> {
                     "{version}{profile} に `{name}` はありません"
                 );
                 let d = self.sink.start(errors::UNKNOWN_NAME, span, message);
+                let help = match successor(name) {
+                    Some(new) => message!("write `{new}`", "`{new}` と書いてください"),
+                    None => message!("declare a variable of your own", "自分で変数を宣言してください"),
+                };
                 self.sink.push(
-                    d.with_label(message!("removed from the language", "言語から削除されました"))
-                        .with_help(message!("declare a variable of your own", "自分で変数を宣言してください")),
+                    d.with_label(message!("removed from the language", "言語から削除されました")).with_help(help),
                 );
             }
         }
     }
+}
+
+/// What a function of textures is called since it takes samplers of all kinds: `texture` for `texture2D`, `textureLod` for
+/// `textureCubeLod`.
+fn successor(name: &str) -> Option<String> {
+    let rest = name.strip_prefix("texture").or_else(|| name.strip_prefix("shadow"))?;
+    let rest = ["2DRect", "1D", "2D", "3D", "Cube"].iter().find_map(|dim| rest.strip_prefix(dim))?;
+    Some(format!("texture{rest}"))
 }

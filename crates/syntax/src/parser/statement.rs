@@ -2,6 +2,7 @@
 
 use super::super::ast::{Condition, Declaration, Item, ItemKind, QualifiedNames, Qualifiers, Stmt, StmtKind};
 use super::super::errors;
+use super::super::is_macro;
 use super::super::language::{Feature, NEVER, Since};
 use super::super::lexer::Lex;
 use super::{Message, Parser, Read};
@@ -61,7 +62,7 @@ impl Parser<'_> {
     }
 
     fn statement_kind(&mut self) -> Read<StmtKind> {
-        if self.hole() {
+        if self.hole() || self.macro_alone() {
             return Ok(StmtKind::Error);
         }
         if self.hints().is_err() {
@@ -141,6 +142,23 @@ impl Parser<'_> {
             "else" => self.expected("a statement: this `else` belongs to no `if`"),
             _ => self.simple(&word),
         }
+    }
+
+    /// A name in capitals on a line of its own, in front of a statement: a mark that its host replaces, or a macro of the
+    /// host's.
+    fn macro_alone(&mut self) -> bool {
+        let (own, next) = (self.tok(0), self.tok(1));
+        let word = self.word().to_owned();
+        let alone = own.first && next.first && own.lex == Lex::Word && next.lex == Lex::Word;
+        if !alone || !is_macro(&word) || self.words.keyword(&word) || self.words.built_in_type(&word) {
+            return false;
+        }
+        let span = self.span();
+        let message = format!("expected a statement, found `{word}` alone");
+        self.sink.error(errors::SYNTAX, span, message, "no macro of this name is defined");
+        self.holes.push(span);
+        self.advance();
+        true
     }
 
     /// A declaration or an expression, with the `;`.

@@ -403,3 +403,14 @@ fn resources_without_a_sampler_and_without_a_size() {
         ["E048 an array without a size takes constant indices only"]
     );
 }
+
+#[test]
+fn operators_of_wgsl_without_parentheses_hide_nothing_behind_them() {
+    let text =
+        "fn f(s: u32, c: u32) -> u32 { return s % c & (c - 1u); }\nfn g() -> i32 { let q: i32 = 1.5; return q; }\n";
+    let found = Shader::parse_wgsl(&SourceFile::new("a.wgsl", text)).diagnostics;
+    let told: Vec<String> = found.iter().map(|d| format!("{} {}", d.code, d.message)).collect();
+    let wanted =
+        ["E051 `%` and `&` stand together without parentheses", "E030 a value of type `f32` does not go into a `i32`"];
+    assert_eq!(told, wanted);
+}

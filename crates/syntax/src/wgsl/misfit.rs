@@ -2,12 +2,13 @@
 //! written as a number. Only what is surely known is told: half floats are taken for floats, and a value whose type
 //! was not found fits everywhere.
 
-use super::super::ast::{BinaryOp, ExprId};
+use super::super::ast::{BinaryOp, ExprId, ExprKind};
 use super::super::errors;
 use super::super::fold::Const;
 use super::super::symbols::FunctionId;
 use super::super::types::{ScalarType, Type};
 use super::check::Checker;
+use super::syntax::{ModuleItem, TypeSyntax};
 use super::types::spelling;
 use base::diagnostic::{Code, Message, message};
 use base::text::Span;
@@ -111,6 +112,39 @@ impl Checker<'_> {
         );
         let place = self.arena.get(value).span;
         self.misfit(errors::ASSIGN_TYPE, place, what, message!("this is `{given}`", "これは `{given}`"));
+    }
+
+    /// How a part of a variable of the module is declared; `None` for anything else.
+    fn declared_as(&self, id: ExprId) -> Option<&TypeSyntax> {
+        match &self.arena.get(id).kind {
+            ExprKind::Paren(inner) => self.declared_as(*inner),
+            ExprKind::Index { base, .. } => self.declared_as(*base)?.args.first()?.ty.as_ref(),
+            ExprKind::Name(own) if !self.scopes.iter().any(|scope| scope.contains_key(own)) => {
+                self.items.iter().find_map(|item| match item {
+                    ModuleItem::Variable(variable) if variable.name.name == *own => variable.ty.as_ref(),
+                    _ => None,
+                })
+            }
+            ExprKind::Field { base, field } => {
+                let of = &self.declared_as(*base)?.name.name;
+                let members = self.items.iter().find_map(|item| match item {
+                    ModuleItem::Struct { name, members } if name.name == *of => Some(members),
+                    _ => None,
+                });
+                members?.iter().find(|member| member.name.name == field.name).map(|member| &member.ty)
+            }
+            _ => None,
+        }
+    }
+
+    /// Looks at a place that is written: an atomic is written by a function alone (WGSL, section 6.2.8).
+    pub(super) fn place_fits(&mut self, place: ExprId) {
+        if !self.declared_as(place).is_some_and(|ty| ty.name.name == "atomic") {
+            return;
+        }
+        let span = self.arena.get(place).span;
+        let what = message!("an atomic is written by `atomicStore`", "アトミックには `atomicStore` で書き込みます");
+        self.misfit(errors::NOT_A_PLACE, span, what, message!("declared `atomic`", "`atomic` と宣言されている"));
     }
 
     /// Looks at what the current function gives back.

@@ -196,3 +196,19 @@ fn numbers_that_are_written_out_take_the_type_of_their_place() {
         errors("#ifdef A\nalias T = f32;\n#else\nalias T = u32;\n#endif\nfn f(x: u32) -> T { return x; }\n").is_empty()
     );
 }
+
+#[test]
+fn an_atomic_is_written_by_a_function_alone() {
+    let of = |body: &str| {
+        errors(&format!(
+            "struct H {{ n: atomic<u32>, m: u32 }}\n@group(0) @binding(0) var<storage, read_write> hs: array<H>;\n\
+             var<workgroup> own: atomic<i32>; var<workgroup> all: array<atomic<u32>, 4>;\nfn f(i: u32) {{ {body} }}\n"
+        ))
+    };
+    for wrong in ["hs[i].n = 0u;", "own = 1;", "all[i] += 2u;"] {
+        let found = of(wrong);
+        assert!(found.len() == 1 && found[0].ends_with("an atomic is written by `atomicStore`"), "{wrong}: {found:?}");
+    }
+    let right = "hs[i].m = 0u; atomicStore(&hs[i].n, 1u); var own = 1; own = 2; let x = atomicAdd(&all[i], 1u);";
+    assert!(of(right).is_empty(), "{:?}", of(right));
+}

@@ -70,6 +70,7 @@ impl Checker<'_> {
             }
             ExprKind::Assign { op, op_span, target, value } => {
                 let ty = self.expression(target);
+                self.place_fits(target);
                 self.expression(value);
                 let shifts = matches!(op, Some(BinaryOp::Shl | BinaryOp::Shr));
                 if let (Some(scalar), false) = (ty.scalar(), shifts) {

@@ -43,6 +43,8 @@ fn check(program: &Program<'_>, project: &Project, findings: &mut Findings<'_>) 
             let ja_stage = stage_in_japanese(from.shader.stage());
             let outputs: Vec<&str> = from.shader.interface().outputs.iter().map(|v| v.name.as_str()).collect();
             let (all, ja_all) = (list(&outputs), list_in_japanese(&outputs));
+            // It is written at another location.
+            let elsewhere = outputs.contains(&name.as_str());
             let mut found = findings
                 .at(
                     &to.file,
@@ -57,7 +59,12 @@ fn check(program: &Program<'_>, project: &Project, findings: &mut Findings<'_>) 
                     "the program does not link, or the value is undefined",
                     "プログラムがリンクできないか、値が不定になります"
                 ))
-                .with_help(if outputs.is_empty() {
+                .with_help(if elsewhere {
+                    message!(
+                        "{place} writes `{name}` at another location: give both the same `layout(location = …)`",
+                        "{place} は `{name}` を別のロケーションに書いています。同じ `layout(location = …)` にしてください"
+                    )
+                } else if outputs.is_empty() {
                     message!("{place} has no output", "{place} には出力がありません")
                 } else {
                     message!("the outputs of {place} are {all}", "{place} の出力は {ja_all} です")
