@@ -42,7 +42,8 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic], stated: Around) -> Vec<bo
     surroundings.open.remove(stated);
     let open = surroundings.open;
     let mut kept = under_conditions(shader, &surroundings.asked, found);
-    if shader.version().span.is_none() {
+    // WGSL has no versions, and read as GLSL it is nothing but marks.
+    if shader.version().span.is_none() && shader.wgsl().is_none() {
         // What is written for the first versions is compiled as such where nobody can state another.
         let of_es = shader.version().profile == Profile::Es && stated.contains(Around::ENABLED);
         let old = (is_old(shader) || of_es) && has_main(shader) && !open.contains(Around::ENABLED);

@@ -69,6 +69,9 @@ pub struct Freedoms {
     pub spread: Box<[f64; SLOTS]>,
 }
 
+/// A node that depends on no other.
+const NOTHING: [(Id, Mask); 2] = [(0, Mask::NONE); 2];
+
 /// A decision that may fall either way, with what it compares.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OpenDecision {
@@ -154,11 +157,12 @@ impl Tape<'_> {
     pub fn open_decisions(&self, slots: Mask) -> (Vec<Freed>, Mask) {
         let (mut found, mut unknown): (Vec<Freed>, Mask) = (Vec::new(), Mask::NONE);
         let mut told = Mask::NONE;
-        for OpenDecision { site, operands, slots: open } in self.decisions.iter().flatten() {
+        let decisions = self.decisions.as_deref().unwrap_or_default();
+        let differs = if decisions.is_empty() { Vec::new() } else { self.differing() };
+        for OpenDecision { site, operands: [a, b], slots: open } in decisions {
             let open = open.and(slots);
             told = told.or(open);
-            let walk = self.walk(&operands.map(|id| (id, open)));
-            let free = walk.found.iter().fold(Mask::NONE, |all, freed| all.or(freed.slots)).and(open);
+            let free = differs[*a as usize].or(differs[*b as usize]).and(open);
             if !free.is_empty() {
                 found.push(Freed { freedom: Freedom::Decision, site: Some(*site), slots: free });
             }
@@ -188,14 +192,31 @@ impl Tape<'_> {
         for id in (0..=last).rev() {
             let slots = walk.needed[id as usize];
             if !slots.is_empty() {
-                self.look_at(id, slots, &exact, &mut walk);
+                self.look_at(id, slots, &exact, &mut walk).into_iter().for_each(|(to, slots)| walk.need(to, slots));
             }
         }
         walk
     }
 
-    /// The freedoms of one node, and what it needs.
-    fn look_at(&self, id: Id, slots: Mask, exact: &[Mask], walk: &mut Walk) {
+    /// In which slots each node may have other bits on another device.
+    fn differing(&self) -> Vec<Mask> {
+        let Some(last) = self.arena.nodes.len().checked_sub(1) else { return Vec::new() };
+        let exact = self.exact_up_to(last as Id);
+        let mut walk = Walk::new(last + 1);
+        let mut all: Vec<Mask> = Vec::with_capacity(last + 1);
+        for id in 0..=last as Id {
+            let takes = self.look_at(id, Mask::ALL, &exact, &mut walk);
+            let taken = takes
+                .into_iter()
+                .filter(|(_, slots)| !slots.is_empty())
+                .fold(Mask::NONE, |sum, (to, slots)| sum.or(all[to as usize].and(slots)));
+            all.push(walk.own[id as usize].or(taken));
+        }
+        all
+    }
+
+    /// The freedoms of one node; gives the nodes that it depends on, with the slots in which it does.
+    fn look_at(&self, id: Id, slots: Mask, exact: &[Mask], walk: &mut Walk) -> [(Id, Mask); 2] {
         let at = id as usize;
         let meta = self.arena.nodes[at];
         let (value, radius) = (self.arena.value.get(at), self.arena.radius.get(at));
@@ -218,17 +239,16 @@ impl Tape<'_> {
                 }
                 let unbounded = |slot: usize| radius[slot] == f64::INFINITY;
                 walk.add(id, Freedom::NotFinite, meta.site, slots.and(Mask::where_(unbounded)));
+                NOTHING
             }
             NodeKind::Select { mask, a, b } => {
                 let mask = self.arena.masks[mask as usize];
-                walk.need(a, slots.and(mask));
-                walk.need(b, slots.minus(mask));
+                [(a, slots.and(mask)), (b, slots.minus(mask))]
             }
-            NodeKind::Sum { a, signs: (_, 0.0), .. } => walk.need(a, slots),
+            NodeKind::Sum { a, signs: (_, 0.0), .. } => [(a, slots), NOTHING[1]],
             NodeKind::Sum { a, b, .. } => {
                 self.look_at_terms((id, &meta), [a, b], slots, exact, walk);
-                walk.need(a, slots);
-                walk.need(b, slots);
+                [(a, slots), (b, slots)]
             }
             NodeKind::Product { a, b } => {
                 self.look_at_factors((id, &meta), [a, b], slots, exact, walk);
@@ -237,8 +257,7 @@ impl Tape<'_> {
                     let (value, exact) = (self.arena.value.get(id as usize), exact[id as usize]);
                     Mask::where_(|slot| value[slot] == 0.0 && exact.has(slot))
                 };
-                walk.need(a, slots.minus(zero(b)));
-                walk.need(b, slots.minus(zero(a)));
+                [(a, slots.minus(zero(b))), (b, slots.minus(zero(a)))]
             }
             NodeKind::One { .. } | NodeKind::Two { .. } => {
                 match meta.op {
@@ -252,10 +271,12 @@ impl Tape<'_> {
                     // What a definition allows beside its operations.
                     None => walk.add(id, Freedom::Inside, meta.site, off),
                 }
-                for (to, (slope, bend)) in super::sweep::partials(&self.arena, id) {
+                let mut takes = NOTHING;
+                for (own, (to, (slope, bend))) in takes.iter_mut().zip(super::sweep::partials(&self.arena, id)) {
                     let moves = |slot: usize| slope[slot] != 0.0 || bend[slot] != 0.0 || local[slot] != 0.0;
-                    walk.need(to, slots.and(Mask::where_(moves)));
+                    *own = (to, slots.and(Mask::where_(moves)));
                 }
+                takes
             }
         }
     }

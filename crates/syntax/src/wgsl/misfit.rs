@@ -139,7 +139,7 @@ impl Checker<'_> {
 
     /// Looks at a place that is written: an atomic is written by a function alone (WGSL, section 6.2.8).
     pub(super) fn place_fits(&mut self, place: ExprId) {
-        if !self.declared_as(place).is_some_and(|ty| ty.name.name == "atomic") {
+        if self.declared_as(place).is_none_or(|ty| ty.name.name != "atomic") {
             return;
         }
         let span = self.arena.get(place).span;
