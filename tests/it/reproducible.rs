@@ -99,6 +99,21 @@ fn folder() -> TempDir {
 }
 
 #[test]
+fn what_a_filter_gives_is_said_to_be_open() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "#version 450\nuniform sampler2D t;\nvec4 look(vec2 uv) { return texture(t, uv); }\n\
+                vec4 texel(ivec2 p) { return texelFetch(t, p & 3, 0); }\n";
+    fs::write(folder.path().join("a.glsl"), text).unwrap();
+    let of = |function: &str| {
+        run_in(folder.path(), &format!("fuzz a.glsl --reproducible --lane embedded --function {function}"))
+            .expect(0)
+            .out
+    };
+    assert!(of("look").contains("of `t` one texel is taken for each sample"), "{}", of("look"));
+    assert!(!of("texel").contains("one texel"), "{}", of("texel"));
+}
+
+#[test]
 fn the_command_names_each_operation_and_gates() {
     let folder = folder();
     let of =

@@ -192,3 +192,18 @@ pub(super) fn narrowed(module: &Module, info: &ModuleInfo, stage: ShaderStage) -
     // What a function takes keeps its type, and the module is left as it is.
     any.then(|| super::validate(&changed).ok().map(|info| (changed, info))).flatten()
 }
+
+impl crate::Program {
+    /// Names of its textures, where it takes samples of any: what a filter gives is left to devices.
+    pub fn sampled(&self) -> Vec<String> {
+        let points = self.module.entry_points.iter().map(|point| &point.function);
+        let mut all = self.module.functions.iter().map(|(_, function)| function).chain(points);
+        let samples = |(_, expression): (_, &Expression)| matches!(expression, Expression::ImageSample { .. });
+        if !all.any(|function| function.expressions.iter().any(samples)) {
+            return Vec::new();
+        }
+        let mut names: Vec<String> = self.textures.iter().map(|texture| texture.name.clone()).collect();
+        names.dedup();
+        names
+    }
+}

@@ -130,6 +130,8 @@ pub struct BitsReport {
     pub profile: String,
     /// True where the language has `precise`.
     pub has_precise: bool,
+    /// Textures of which it takes samples: they are read at one texel, and what a filter gives is left to devices.
+    pub sampled: Vec<String>,
 }
 
 /// What is counted of an output.
@@ -243,6 +245,7 @@ pub fn run(subject: &Subject, domain: &Domain, request: &Request<'_>) -> Result<
         lanes: on.iter().map(lanes::Running::report).collect(),
         profile: request.profile.name.clone(),
         has_precise: ready.program.written == Written::Glsl,
+        sampled: ready.program.sampled(),
     })
 }
 

@@ -28,6 +28,8 @@ struct Function<'a> {
     left_out: u64,
     outputs: Vec<Output<'a>>,
     lanes: Vec<Lane<'a>>,
+    /// Textures of which samples are taken: what a filter gives is left to devices.
+    sampled: &'a [String],
 }
 
 #[derive(Serialize)]
@@ -104,6 +106,7 @@ fn one(function: &BitsReport) -> Function<'_> {
         left_out: function.left_out,
         outputs: function.outputs.iter().map(output).collect(),
         lanes: function.lanes.iter().map(|own| Lane { lane: own.lane, not_run: own.not_run.as_deref() }).collect(),
+        sampled: &function.sampled,
     }
 }
 

@@ -53,6 +53,15 @@ fn one(text: &mut String, function: &BitsReport, color: bool) {
     for output in &function.outputs {
         self::output(text, (function, output), width, color);
     }
+    if !function.sampled.is_empty() {
+        let names: Vec<String> = function.sampled.iter().map(|name| format!("`{name}`")).collect();
+        let _ = writeln!(
+            text,
+            "  {:<width$}  of {} one texel is taken for each sample: what a filter gives is left to devices",
+            "",
+            names.join(", ")
+        );
+    }
     text.push('\n');
 }
 
