@@ -26,7 +26,7 @@ use engine::fuzz::{Domain, Subject};
 use engine::session::{At, Job, Join, Seen, Unlike};
 use engine::shard::Identity;
 use judge::profile::Profile;
-use lanes::{Lane, StandIn, Wanted};
+use lanes::Lane;
 use report::compare::{Summary, json, text};
 
 /// Samples of a pair, when none are asked for.
@@ -127,10 +127,8 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
     let [Some(firsts), Some(seconds)] = &sides else { return Ok(ExitStatus::Findings) };
     let Pairing { pairs, unpaired } =
         compare::pairing([firsts, seconds], &args.function).map_err(anyhow::Error::msg)?;
-    let opened = Wanted { stand_in: StandIn::Beside, ..Wanted::named(&args.lane) }.open()?;
-    let missing: Vec<String> = opened.missing.iter().map(|(name, error)| format!("lane `{name}`: {error}")).collect();
-    anyhow::ensure!(args.lane.is_empty() || missing.is_empty(), "{}", missing.join("; "));
-    let lanes: Vec<&dyn Lane> = opened.lanes.iter().map(AsRef::as_ref).collect();
+    let opened = super::lanes::opened(&args.lane, args.lane.is_empty())?;
+    let lanes: Vec<&dyn Lane> = opened.iter().map(AsRef::as_ref).collect();
     let request = Request {
         samples: args.samples,
         seed: args.input.seed,

@@ -60,7 +60,7 @@ every input has a stated domain; a signed sum or product that wraps is a note wi
 function that loses digits (ill-conditioned) gets a warning. A sample is undetermined if it is inconclusive, because the function has no value there or the API \
 promises too little.
 
-Reproducible. With --reproducible, nothing is judged: for each output the report says whether every conforming device gives the same bits for the same inputs (fixed), would if everything were `precise`, or is free to give others, with each operation that leaves it open: a product and a sum that may become one operation, terms that may change their order, functions and quotients that are promised within an error, comparisons of what differs already. Sums and products count as rounded to nearest. The bits of all available lanes stand beside. The status is 1 if an output is not fixed.
+Reproducible. With --reproducible, nothing is judged: for each output the report says whether every conforming device gives the same bits for the same inputs (fixed), would if everything were `precise`, or is free to give others, with each operation that leaves it open: a product and a sum that may become one operation, terms that may change their order, functions and quotients that are promised within an error, comparisons of what differs already. Sums and products count as rounded to nearest. At most 16384 samples are looked at, and the bits of all available lanes stand beside. The status is 1 if an output is not fixed.
 
 Exit status: 0 no finding; 1 findings, or a file that does not compile; 2 usage, a lane of --lane that is \
 unavailable, or nothing could be run.")]
@@ -250,8 +250,9 @@ pub(super) fn subjects(
     let doubtful = reading::open::doubtful(&parsed.shader, &errors, errors::Around::empty());
     let first = errors.iter().find(|error| is_of_host(error));
     if let Some(first) = first.filter(|_| doubtful.iter().all(|doubtful| *doubtful)) {
-        let open = "its host has to make it a whole shader";
-        return Ok((Vec::new(), vec![without(source, open, &first.clone().at_origin())]));
+        let first = first.clone().at_origin();
+        let open = format!("its host has to make it a whole shader: {}", first.file.locate(first.span.start));
+        return Ok((Vec::new(), vec![without(source, &open, &first)]));
     }
     if !errors.is_empty() {
         return Ok((told(&mut errors.into_iter()), Vec::new()));

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::check::Format;
 use crate::cli::status::ExitStatus;
 use judge::profile::Promises;
-use lanes::{self, Description, Unavailable};
+use lanes::{self, Description, Lane, StandIn, Unavailable, Wanted};
 
 /// Arguments of `shadercheck lanes`.
 #[derive(Args, Clone, Debug, Default)]
@@ -16,6 +16,18 @@ pub struct LanesArgs {
     /// Format of the result
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
+}
+
+/// The lanes of these names, or all that are available where there are none. What is missing is an error, but for who is
+/// content with what there is.
+///
+/// # Errors
+/// An unknown name, and each lane that is missing with the reason.
+pub(super) fn opened(names: &[String], content: bool) -> anyhow::Result<Vec<Box<dyn Lane>>> {
+    let opened = Wanted { stand_in: StandIn::Beside, ..Wanted::named(names) }.open()?;
+    let missing: Vec<String> = opened.missing.iter().map(|(name, error)| format!("lane `{name}`: {error}")).collect();
+    anyhow::ensure!(content || missing.is_empty(), "{}", missing.join("; "));
+    Ok(opened.lanes)
 }
 
 /// The widest line.

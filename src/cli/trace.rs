@@ -18,7 +18,7 @@ use base::value::{Record, Scalar};
 use engine::fuzz::{self, Domain, Ready, Subject};
 use engine::trace::{self, Case, Request};
 use judge::profile::Promises;
-use lanes::{Lane, StandIn, Wanted};
+use lanes::Lane;
 use property::Sample;
 use report::trace::{Summary, json, text};
 
@@ -127,10 +127,8 @@ pub fn run(args: &TraceArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         true if !args.all_lanes => vec![lanes::embedded::STRICT.to_owned()],
         _ => args.lane.clone(),
     };
-    let opened = Wanted { stand_in: StandIn::Beside, ..Wanted::named(&wanted) }.open()?;
-    let missing: Vec<String> = opened.missing.iter().map(|(name, error)| format!("lane `{name}`: {error}")).collect();
-    anyhow::ensure!(args.all_lanes || missing.is_empty(), "{}", missing.join("; "));
-    let lanes: Vec<&dyn Lane> = opened.lanes.iter().map(AsRef::as_ref).collect();
+    let opened = super::lanes::opened(&wanted, args.all_lanes)?;
+    let lanes: Vec<&dyn Lane> = opened.iter().map(AsRef::as_ref).collect();
     let mut inputs = Inputs::new(&stated);
     let mut summary = Summary { traces: Vec::new(), not_traced: Vec::new() };
     let request = Request { lanes: &lanes, profile: &profile, output: args.output.as_deref() };

@@ -224,3 +224,15 @@ fn a_text_that_its_host_makes_whole_is_no_error() {
     let wrong = "#version 330\nout vec4 c;\nvoid main() { c = vec4(1.0) + vec3(1.0); }\n";
     fuzz("wrong.frag", wrong, "").expect(1);
 }
+
+#[test]
+fn inputs_keep_the_names_that_their_author_gave_them() {
+    let text = "@group(0) @binding(0) var<storage, read> a: array<f32>;\n\
+                fn stored(i: u32, result: f32, result_x: f32) -> f32 { return a[i] / (result * result_x); }\n\
+                fn plain(returned: f32) -> f32 { return sqrt(returned); }\n";
+    let ran = fuzz("names.wgsl", text, "").expect(0);
+    assert!(ran.out.contains("2 functions run, 0 not run"), "{ran:?}");
+    for name in ["result: f32", "result_x: f32", "returned: f32 = "] {
+        assert!(ran.out.contains(name), "{name}: {ran:?}");
+    }
+}

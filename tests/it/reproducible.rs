@@ -40,7 +40,7 @@ fn looked(text: &str, profile: &Profile, lanes: &[&dyn Lane]) -> Vec<BitsReport>
     let of = |subject: &Subject| {
         let ready = subject.ready.as_ref().ok().unwrap();
         let (invocation, case) = (ready.kernel.invocation.fields(), ready.kernel.case.fields());
-        run(subject, &Domain::new(&subject.name, invocation, case, &[]), &request).unwrap()
+        run(subject, ready, &Domain::new(&subject.name, invocation, case, &[]), &request).unwrap()
     };
     functions("a.glsl", text).iter().map(of).collect()
 }

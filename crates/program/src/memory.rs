@@ -9,6 +9,7 @@ use naga::{
     MathFunction, Module, Range, Span, Statement, StructMember, Type, TypeInner,
 };
 
+use super::fuel::blocks_mut;
 use super::{Entry, Port, PortAt, Program, ProgramError, capture, validate};
 use base::diagnostic::Diagnostic;
 use base::value::{Field, Shape};
@@ -230,21 +231,7 @@ fn not_emitted(block: &mut Block, all: &[Handle<Expression>]) {
                 }
             }
             mut other => {
-                match &mut other {
-                    Statement::Block(inner) => not_emitted(inner, all),
-                    Statement::If { accept, reject, .. } => {
-                        not_emitted(accept, all);
-                        not_emitted(reject, all);
-                    }
-                    Statement::Loop { body, continuing, .. } => {
-                        not_emitted(body, all);
-                        not_emitted(continuing, all);
-                    }
-                    Statement::Switch { cases, .. } => {
-                        cases.iter_mut().for_each(|case| not_emitted(&mut case.body, all));
-                    }
-                    _ => {}
-                }
+                blocks_mut(&mut other).into_iter().for_each(|inner| not_emitted(inner, all));
                 changed.push(other, span);
             }
         }
@@ -269,22 +256,8 @@ fn block(all: &mut Block, function: &mut Function) -> Result<(), ProgramError> {
                 single(&mut changed, function, (pointer, fun, value, result), span)?;
             }
             mut other => {
-                match &mut other {
-                    Statement::Block(inner) => block(inner, function)?,
-                    Statement::If { accept, reject, .. } => {
-                        block(accept, function)?;
-                        block(reject, function)?;
-                    }
-                    Statement::Loop { body, continuing, .. } => {
-                        block(body, function)?;
-                        block(continuing, function)?;
-                    }
-                    Statement::Switch { cases, .. } => {
-                        for case in cases {
-                            block(&mut case.body, function)?;
-                        }
-                    }
-                    _ => {}
+                for inner in blocks_mut(&mut other) {
+                    block(inner, function)?;
                 }
                 changed.push(other, span);
             }

@@ -13,6 +13,17 @@ pub(crate) fn word(bits: u32, scalar: Scalar) -> String {
     }
 }
 
+/// An expression, without its middle where it has more characters than these.
+pub(crate) fn shortened(text: &str, most: usize) -> String {
+    let all: Vec<char> = text.chars().collect();
+    if all.len() <= most {
+        return text.to_owned();
+    }
+    let half = (most - 1) / 2;
+    let (start, end) = (&all[..half], &all[all.len() - half..]);
+    start.iter().chain(&['…']).chain(end).collect()
+}
+
 /// A number in four digits, without a power of ten where people write none: 36.84, 0.001961, 2.5e9.
 pub(crate) fn readable(x: f64) -> String {
     let short = format!("{x:.3e}");

@@ -8,7 +8,8 @@ use crate::cli::status::ExitStatus;
 use base::diagnostic::Lang;
 use engine::fuzz::Stated;
 use engine::reproducible::{self, Request};
-use lanes::{Lane, StandIn, Wanted};
+use engine::suite::run::signal_name;
+use lanes::{Lane, interrupt};
 use report::reproducible::{Summary, json, text};
 
 /// What devices promise, where nothing else is asked for.
@@ -26,14 +27,12 @@ pub(super) fn run(
     let Some(profile) = profile::named(args.profile.as_deref().unwrap_or(PROFILE))? else {
         anyhow::bail!("--profile: what devices may do differently follows from what they promise; `none` has nothing");
     };
-    let opened = Wanted { stand_in: StandIn::Beside, ..Wanted::named(&args.lane) }.open()?;
-    let missing: Vec<String> = opened.missing.iter().map(|(name, error)| format!("lane `{name}`: {error}")).collect();
-    anyhow::ensure!(args.lane.is_empty() || missing.is_empty(), "{}", missing.join("; "));
-    let lanes: Vec<&dyn Lane> = opened.lanes.iter().map(AsRef::as_ref).collect();
+    let opened = crate::cli::lanes::opened(&args.lane, args.lane.is_empty())?;
+    let lanes: Vec<&dyn Lane> = opened.iter().map(AsRef::as_ref).collect();
     let mut inputs = Inputs::new(stated);
     let mut summary = Summary { functions: Vec::new(), not_run: Vec::new() };
     let (mut known, mut broken) = (Vec::new(), false);
-    for source in sources {
+    'all: for source in sources {
         for note in source.notes() {
             writeln!(err, "note: {note}")?;
         }
@@ -53,23 +52,36 @@ pub(super) fn run(
                 lanes: &lanes,
                 command: &command,
             };
-            match reproducible::run(subject, &domain, &request) {
-                Ok(report) => summary.functions.push(report),
-                Err(why) if why.starts_with("--case") => anyhow::bail!("{why}"),
-                Err(why) => summary.not_run.push((subject.label.clone(), why)),
+            let ready = match &subject.ready {
+                Ok(ready) => ready,
+                Err(why) => {
+                    summary.not_run.push((subject.label.clone(), why.clone()));
+                    continue;
+                }
+            };
+            let report = reproducible::run(subject, ready, &domain, &request);
+            // What was under way when the run was to end is left out.
+            if interrupt::asked() {
+                break 'all;
             }
+            summary.functions.push(report.map_err(|why| anyhow::anyhow!("--case: {why}"))?);
         }
     }
-    if !broken {
+    if !broken && !interrupt::asked() {
         all_known(&args.function, &known)?;
     }
-    inputs.all_used()?;
+    if !interrupt::asked() {
+        inputs.all_used()?;
+    }
     let printed = match args.format {
         Format::Json => json(&summary),
         Format::Text => text(&summary, color),
     };
     out.write_all(printed.as_bytes())?;
-    Ok(if broken || summary.has_findings() {
+    Ok(if let Some(signal) = interrupt::signal() {
+        writeln!(err, "error: the run was interrupted by {}; this is what was found until then", signal_name(signal))?;
+        ExitStatus::Interrupted(signal)
+    } else if broken || summary.has_findings() {
         ExitStatus::Findings
     } else if summary.functions.is_empty() {
         writeln!(err, "error: nothing could be run")?;

@@ -4,10 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::ReadyPair;
 use crate::InputValue;
-use crate::reproducible::{FreePlace, Gathering};
+use crate::reproducible::{FreePlace, Gathering, StrictBits};
 use base::value::Batch;
 use judge::profile::Profile;
-use program::interp::{Binary32, Executable, FUEL, Machine, OutputColumn};
+use lanes::interrupt;
 use property::Sample;
 
 /// An output that both have.
@@ -66,16 +66,19 @@ impl<'a> Bits<'a> {
         let [first, second] = &mut self.gatherings;
         let words = [first.words(), second.words()];
         let fixed = [first.see(batch), second.see(fed)];
-        let bits = [strict(&self.pair.sides[0].executable, batch), strict(&self.pair.sides[1].executable, fed)];
+        // What was under way when the run was to end is not counted.
+        if interrupt::asked() {
+            return;
+        }
+        let sides = self.pair.sides;
+        let bits = [StrictBits::of(&sides[0].executable, batch), StrictBits::of(&sides[1].executable, fed)];
         for (k, &[own, other]) in self.outputs.iter().enumerate() {
             for sample in 0..batch.invocation_count() {
                 let of = |side: usize, output: usize| {
                     let range = &words[side][output].0;
-                    let all = bits[side][sample].iter();
-                    all.flat_map(|vertex| range.clone().filter_map(|word| vertex.get(word).copied()))
-                        .collect::<Vec<u32>>()
+                    bits[side].output(sample, range, sides[side].kernel.output.vertex.scalar_of(range.start))
                 };
-                let kind = if of(0, own) != of(1, other) {
+                let kind = if !of(0, own).eq(of(1, other)) {
                     self.first[k].get_or_insert_with(|| Sample::of(batch, sample));
                     1
                 } else if fixed[0][own][sample] && fixed[1][other][sample] {
@@ -103,25 +106,4 @@ impl<'a> Bits<'a> {
         })
         .collect()
     }
-}
-
-/// The bits of strict binary32: by sample, by vertex, by word. One NaN is as good as another.
-fn strict(executable: &Executable, batch: &Batch) -> Vec<Vec<Vec<u32>>> {
-    let mut machine = Machine::new(executable, Binary32::default(), FUEL);
-    let mut all = Vec::with_capacity(batch.invocation_count());
-    let mut first = 0;
-    let plain = |x: f32| if x.is_nan() { f32::NAN.to_bits() } else { x.to_bits() };
-    while first < batch.invocation_count() {
-        let slots = machine.run(batch, first);
-        let of = |slot: usize, vertex: usize, word: usize| match machine.output(vertex, word) {
-            OutputColumn::Real(column) => plain(column.values()[slot]),
-            OutputColumn::Word(words) => words[slot],
-        };
-        for slot in 0..slots {
-            let vertex = |vertex: usize| (0..machine.width()).map(|word| of(slot, vertex, word)).collect();
-            all.push((0..machine.room()).map(vertex).collect());
-        }
-        first += slots;
-    }
-    all
 }

@@ -33,19 +33,13 @@ pub(super) struct MadeCaller {
 
 impl MadeCaller {
     /// What an input or output is called in the function: the kernel has a variable for each.
-    pub fn own_name(&self, name: &str) -> String {
-        let own = name.strip_prefix(self.kernel.as_str()).and_then(|rest| rest.strip_prefix('_'));
-        match own.map(|own| own.strip_prefix(RESULT).unwrap_or(own)) {
-            Some(part) if part.is_empty() || part.starts_with(['.', '[']) => format!("{RETURN}{part}"),
-            own => own.unwrap_or(name).to_owned(),
-        }
+    pub fn own_name<'n>(&self, name: &'n str) -> &'n str {
+        name.strip_prefix(self.kernel.as_str()).and_then(|rest| rest.strip_prefix('_')).unwrap_or(name)
     }
 }
 
-/// What the result of a function is called.
+/// What the result of a function is called: no parameter has this name, which is a word of the language.
 pub(super) const RETURN: &str = "return";
-/// What a kernel calls what the function gives back.
-const RESULT: &str = "result";
 
 /// Elements that a run of one invocation has of an array that is as long as its buffer.
 const ELEMENTS: u32 = program::ELEMENTS_ALONE;
@@ -280,7 +274,7 @@ impl Caller<'_> {
             let _ = write!(self.body, "{call};");
             return;
         };
-        let (name, binding) = (format!("{}_{RESULT}", self.kernel), self.bind());
+        let (name, binding) = (format!("{}_{RETURN}", self.kernel), self.bind());
         let (ty, call) = if ty == "bool" { ("u32", format!("u32({call})")) } else { (ty, call.to_owned()) };
         if self.alone {
             let _ = writeln!(self.declared, "@group(0) @binding({binding}) var<storage, read_write> {name}: {ty};");

@@ -41,7 +41,7 @@ fn called(text: &ModuleText, values: &[(String, String)], one: Runnable, alone: 
     let Some(point) = caller.text.points().into_iter().find(|point| point.name == caller.kernel) else { return alone };
     let Ok(known) = Known::of(caller.text.tree()) else { return alone };
     if caller.alone {
-        let ready = ready(&caller.text, values, &point, &|name| caller.own_name(name));
+        let ready = ready(&caller.text, values, &point, &|name| caller.own_name(name).to_owned());
         let Ok(ready) = ready.map(|made| readied(made, &one.name, &known)) else { return alone };
         let stated = stated(&ready, &one.name, &known);
         return Subject { ready: Ok(ready), stated, made_up: true, ..alone };
@@ -161,7 +161,7 @@ fn ready(
         port.field.name = named(&port.field.name);
     }
     // What a function gives back is none of its inputs.
-    program.inputs.retain(|port| !port.field.name.starts_with(RETURN));
+    program.inputs.retain(|port| port.field.name.split(['.', '[']).next() != Some(RETURN));
     let ports = program.inputs.iter().chain(&program.uniforms).chain(&program.outputs);
     let words: usize = ports.map(|port| port.field.shape.words()).sum();
     if words > MOST_WORDS {

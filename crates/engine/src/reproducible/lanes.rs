@@ -2,12 +2,13 @@
 
 use std::ops::Range;
 
+use super::StrictBits;
 use crate::InputValue;
 use crate::fuzz::{Ready, kernel, stage_of};
 use base::value::{Batch, Scalar, ulp_at};
 use lanes::{Actual, Lane, LaneName, Runner, embedded};
 use program::Program;
-use program::interp::{Binary32, FUEL, Machine, Number, OutputColumn};
+use program::interp::Number;
 use property::Sample;
 
 /// A lane that was asked.
@@ -75,7 +76,13 @@ impl<'a> Running<'a> {
     }
 
     /// Runs a batch. `fixed` has, for each output, the samples in which no device may differ.
-    pub(super) fn run(&mut self, batch: &Batch, outputs: &[(Range<usize>, f64)], fixed: &[Vec<bool>]) {
+    pub(super) fn run(
+        &mut self,
+        batch: &Batch,
+        outputs: &[(Range<usize>, f64)],
+        fixed: &[Vec<bool>],
+        strict: &StrictBits,
+    ) {
         let Some(runner) = &mut self.runner else { return };
         if batch.invocation_count() == 0 {
             return;
@@ -88,19 +95,13 @@ impl<'a> Running<'a> {
                 return;
             }
         };
-        let mut machine = Machine::new(&self.ready.executable, Binary32::default(), FUEL);
-        let mut first = 0;
-        while first < batch.invocation_count() {
-            let slots = machine.run(batch, first);
-            for slot in 0..slots {
-                for (k, own) in outputs.iter().enumerate() {
-                    let far = self.distance(&machine, &actual, (first + slot, slot), own);
-                    if far > 0.0 {
-                        self.seen[k].note(far, fixed[k][first + slot], || Sample::of(batch, first + slot));
-                    }
+        for sample in 0..batch.invocation_count() {
+            for (k, own) in outputs.iter().enumerate() {
+                let far = self.distance(strict, &actual, sample, own);
+                if far > 0.0 {
+                    self.seen[k].note(far, fixed[k][sample], || Sample::of(batch, sample));
                 }
             }
-            first += slots;
         }
     }
 
@@ -108,24 +109,20 @@ impl<'a> Running<'a> {
     /// the same bits. Any NaN is as good as another.
     fn distance(
         &self,
-        machine: &Machine<'_, Binary32>,
+        strict: &StrictBits,
         actual: &Actual,
-        (invocation, slot): (usize, usize),
+        sample: usize,
         (words, usual): &(Range<usize>, f64),
     ) -> f64 {
         let record = &self.ready.kernel.output.vertex;
         let mut far = 0.0_f64;
-        if actual.is_absent(invocation) {
+        if actual.is_absent(sample) {
             return far;
         }
-        for vertex in 0..actual.stored(invocation).min(machine.room()) {
-            let given = actual.vertex(invocation, vertex);
+        for vertex in 0..actual.stored(sample).min(strict.room) {
+            let (wanted, given) = (strict.vertex(sample, vertex), actual.vertex(sample, vertex));
             for word in words.clone() {
-                let strict = match machine.output(vertex, word) {
-                    OutputColumn::Real(column) => column.values()[slot].to_bits(),
-                    OutputColumn::Word(all) => all[slot],
-                };
-                let given = given[word];
+                let (strict, given) = (wanted[word], given[word]);
                 if strict == given {
                     continue;
                 }

@@ -6,6 +6,7 @@
 //! ```
 
 mod lanes;
+mod strict;
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -16,7 +17,7 @@ use crate::fuzz::{Domain, PILOT, Ready, Subject, batch_size, drawn, given, place
 use ::lanes::{Lane, Stage, interrupt};
 use base::value::{Batch, Field, ulp_at};
 use judge::profile::Profile;
-use judge::tape::{Freed, Freedom, Model, Tape};
+use judge::tape::{ExactSlots, Freed, Freedom, Model, Tape};
 use judge::verdict::diagnosis::Place;
 use judge::verdict::{Oracle, Rounds, edges};
 use program::Written;
@@ -25,6 +26,7 @@ use property::{Sample, regressions};
 use serde::{Deserialize, Serialize};
 
 pub use lanes::{Apart, OnLane};
+pub(crate) use strict::StrictBits;
 
 /// Samples that are looked at, at most.
 pub const MOST_SAMPLES: u64 = 1 << 14;
@@ -174,9 +176,10 @@ impl<'a> Gathering<'a> {
         while first < batch.invocation_count() && !interrupt::asked() {
             let slots = self.machine.run(batch, first);
             let all = Mask::first(slots);
-            let (decisions, unknown) = self.machine.domain().open_decisions(all);
+            let exact = self.machine.domain().exact();
+            let (decisions, unknown) = self.machine.domain().open_decisions(all, &exact);
             for (own, fixed) in self.outputs.iter_mut().zip(&mut fixed) {
-                let found = of_output(&mut self.machine, own, (batch, first), all, &decisions);
+                let found = of_output(&mut self.machine, own, (batch, first), (all, &exact), &decisions);
                 let own = own.count(&found, all, unknown);
                 own.each(|slot| fixed[first + slot] = true);
             }
@@ -194,11 +197,10 @@ impl<'a> Gathering<'a> {
 /// Looks at a function.
 ///
 /// # Errors
-/// Why nothing can be said of it, as a sentence without a full stop.
-pub fn run(subject: &Subject, domain: &Domain, request: &Request<'_>) -> Result<BitsReport, String> {
-    let ready = subject.ready.as_ref().map_err(Clone::clone)?;
+/// What is wrong with the case that was asked for.
+pub fn run(subject: &Subject, ready: &Ready, domain: &Domain, request: &Request<'_>) -> Result<BitsReport, String> {
     let _doing = activity::doing(format!("looks at `{}`", subject.label));
-    let case = request.case.map(|text| given(ready, text)).transpose().map_err(|why| format!("--case: {why}"))?;
+    let case = request.case.map(|text| given(ready, text)).transpose()?;
     let alone = case.is_some() || ready.kernel.invocation.words() + ready.kernel.case.words() == 0;
     let samples = if alone { 1 } else { request.samples.min(MOST_SAMPLES) };
     let size = batch_size(ready).min(samples as usize);
@@ -214,7 +216,8 @@ pub fn run(subject: &Subject, domain: &Domain, request: &Request<'_>) -> Result<
         let kept = order.len();
         let batch = if kept < count { batch.apart(order.into_iter()) } else { batch };
         let fixed = gathering.see(&batch);
-        on.iter_mut().for_each(|lane| lane.run(&batch, &words, &fixed));
+        let strict = StrictBits::of(&ready.executable, &batch);
+        on.iter_mut().for_each(|lane| lane.run(&batch, &words, &fixed, &strict));
         (kept as u64, (count - kept) as u64)
     };
     let (mut first, mut seen) = (0, (0, 0));
@@ -254,7 +257,7 @@ fn of_output(
     machine: &mut Machine<'_, Tape<'_>>,
     own: &mut Counted,
     (batch, first): (&Batch, usize),
-    all: Mask,
+    (all, exact): (Mask, &ExactSlots),
     decisions: &[Freed],
 ) -> Vec<Freed> {
     let mut found: Vec<Freed> = decisions.to_vec();
@@ -265,7 +268,7 @@ fn of_output(
             let tape = machine.domain();
             let values = *tape.values(column);
             let written = all.and(Mask::where_(|slot| !values[slot].is_poison()));
-            let freedoms = tape.freedoms(column, written);
+            let freedoms = tape.freedoms(column, written, exact);
             found.extend(freedoms.each);
             written.each(|slot| {
                 spread[slot] = spread[slot].max(freedoms.spread[slot]);

@@ -69,6 +69,10 @@ pub struct Freedoms {
     pub spread: Box<[f64; SLOTS]>,
 }
 
+/// The slots in which each node has the real number exactly.
+#[derive(Clone, Debug)]
+pub struct ExactSlots(Vec<Mask>);
+
 /// A node that depends on no other.
 const NOTHING: [(Id, Mask); 2] = [(0, Mask::NONE); 2];
 
@@ -131,9 +135,9 @@ impl Tape<'_> {
     }
 
     /// What of a column is left to devices of the profile of this tape, in these slots.
-    pub fn freedoms(&mut self, output: Column, slots: Mask) -> Freedoms {
+    pub fn freedoms(&mut self, output: Column, slots: Mask, exact: &ExactSlots) -> Freedoms {
         let root = self.id(&output);
-        let walk = self.walk(&[(root, slots)]);
+        let walk = self.walk(root, slots, exact);
         let freed = self.freed_within(&walk, root);
         let mut spread = Box::new([0.0; SLOTS]);
         let rearranged = self.model.is_rearranged();
@@ -154,11 +158,11 @@ impl Tape<'_> {
 
     /// The decisions that may fall otherwise on another device, in these slots; and the slots in which one may fall otherwise
     /// than in real numbers, but alike on all devices, so that what a device does behind it is not known here.
-    pub fn open_decisions(&self, slots: Mask) -> (Vec<Freed>, Mask) {
+    pub fn open_decisions(&self, slots: Mask, exact: &ExactSlots) -> (Vec<Freed>, Mask) {
         let (mut found, mut unknown): (Vec<Freed>, Mask) = (Vec::new(), Mask::NONE);
         let mut told = Mask::NONE;
         let decisions = self.decisions.as_deref().unwrap_or_default();
-        let differs = if decisions.is_empty() { Vec::new() } else { self.differing() };
+        let differs = if decisions.is_empty() { Vec::new() } else { self.differing(exact) };
         for OpenDecision { site, operands: [a, b], slots: open } in decisions {
             let open = open.and(slots);
             told = told.or(open);
@@ -182,30 +186,26 @@ impl Tape<'_> {
         (found, unknown)
     }
 
-    /// From these nodes back to the inputs.
-    fn walk(&self, roots: &[(Id, Mask)]) -> Walk {
-        let last = roots.iter().map(|(id, _)| *id).max().unwrap_or(0);
-        let exact = self.exact_up_to(last);
-        let mut walk = Walk::new(last as usize + 1);
-        roots.iter().for_each(|&(id, slots)| walk.need(id, slots));
+    /// From a node back to the inputs.
+    fn walk(&self, root: Id, slots: Mask, ExactSlots(exact): &ExactSlots) -> Walk {
+        let mut walk = Walk::new(root as usize + 1);
+        walk.need(root, slots);
         // Arguments have smaller numbers.
-        for id in (0..=last).rev() {
+        for id in (0..=root).rev() {
             let slots = walk.needed[id as usize];
             if !slots.is_empty() {
-                self.look_at(id, slots, &exact, &mut walk).into_iter().for_each(|(to, slots)| walk.need(to, slots));
+                self.look_at(id, slots, exact, &mut walk).into_iter().for_each(|(to, slots)| walk.need(to, slots));
             }
         }
         walk
     }
 
     /// In which slots each node may have other bits on another device.
-    fn differing(&self) -> Vec<Mask> {
-        let Some(last) = self.arena.nodes.len().checked_sub(1) else { return Vec::new() };
-        let exact = self.exact_up_to(last as Id);
-        let mut walk = Walk::new(last + 1);
-        let mut all: Vec<Mask> = Vec::with_capacity(last + 1);
-        for id in 0..=last as Id {
-            let takes = self.look_at(id, Mask::ALL, &exact, &mut walk);
+    fn differing(&self, ExactSlots(exact): &ExactSlots) -> Vec<Mask> {
+        let mut walk = Walk::new(exact.len());
+        let mut all: Vec<Mask> = Vec::with_capacity(exact.len());
+        for id in 0..exact.len() as Id {
+            let takes = self.look_at(id, Mask::ALL, exact, &mut walk);
             let taken = takes
                 .into_iter()
                 .filter(|(_, slots)| !slots.is_empty())
@@ -366,10 +366,10 @@ impl Tape<'_> {
         }
     }
 
-    /// The slots in which each node has the real number exactly, on every device.
-    fn exact_up_to(&self, last: Id) -> Vec<Mask> {
-        let mut all: Vec<Mask> = Vec::with_capacity(last as usize + 1);
-        for id in 0..=last {
+    /// The slots in which each node of the last run has the real number exactly, on every device.
+    pub fn exact(&self) -> ExactSlots {
+        let mut all: Vec<Mask> = Vec::with_capacity(self.arena.nodes.len());
+        for id in 0..self.arena.nodes.len() as Id {
             let at = id as usize;
             let (meta, value) = (self.arena.nodes[at], self.arena.value.get(at));
             let fits = || Mask::where_(|slot| f64::from(value[slot] as f32) == value[slot]);
@@ -397,7 +397,7 @@ impl Tape<'_> {
                 NodeKind::One { .. } | NodeKind::Two { .. } => Mask::NONE,
             });
         }
-        all
+        ExactSlots(all)
     }
 
     fn is_power_of_two(&self, id: Id, slot: usize, exact: &[Mask]) -> bool {
@@ -454,8 +454,9 @@ mod tests {
         machine.run(&batch, 0);
         let OutputColumn::Real(&column) = machine.output(0, 0) else { panic!("a real number") };
         let one = Mask::first(1);
-        let (decisions, unknown) = machine.domain().open_decisions(one);
-        let found = machine.domain().freedoms(column, one);
+        let exact = machine.domain().exact();
+        let (decisions, unknown) = machine.domain().open_decisions(one, &exact);
+        let found = machine.domain().freedoms(column, one, &exact);
         let mut all: Vec<Freedom> = found.each.iter().chain(&decisions).map(|freed| freed.freedom).collect();
         all.sort();
         assert!(unknown.is_empty());

@@ -47,7 +47,7 @@ use program::interp::{
 use arena::{Arena, Id, MOST, Meta, NodeKind, Slots};
 pub use decay::FADED;
 pub use folded::Fold;
-pub use freedom::{Freed, Freedom, Freedoms};
+pub use freedom::{ExactSlots, Freed, Freedom, Freedoms};
 pub use memory::Cell;
 pub use model::Model;
 pub(crate) use model::gap;

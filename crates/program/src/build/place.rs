@@ -7,7 +7,6 @@ use super::texture::Opaque;
 use super::types::{count, same, size};
 use super::{Build, Expr, Result};
 use crate::front::VALIDATOR;
-use crate::memory::LENGTH;
 use base::diagnostic::{Diagnostic, Severity};
 use base::text::Span;
 use syntax::ast::{Callee, ExprId, ExprKind};
@@ -412,10 +411,8 @@ impl Fun<'_, '_> {
         }
     }
 
-    /// The length of an array that is as long as its buffer. The number before is what stands in its place
-    /// when the buffer is no buffer.
+    /// The length of an array that is as long as its buffer.
     pub(super) fn array_length(&mut self, array: Expr) -> Expr {
-        self.add(Expression::Literal(naga::Literal::U32(LENGTH)));
         self.add(Expression::ArrayLength(array))
     }
 

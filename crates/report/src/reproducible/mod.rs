@@ -7,6 +7,7 @@ pub(crate) use json::Place;
 pub use json::json;
 pub use text::text;
 
+use crate::word::shortened;
 use engine::reproducible::{BitsReport, FreePlace, OutputBits, Standing};
 use judge::tape::Freedom;
 use judge::verdict::diagnosis::in_one_line;
@@ -83,14 +84,7 @@ fn words(place: &FreePlace) -> String {
 /// Where a place stands, what the author wrote there, and what is left to devices.
 pub(crate) fn of_place(place: &FreePlace) -> String {
     match &place.place {
-        Some(there) => format!("{} `{}`: {}", there.at, shortened(&in_one_line(&there.text)), words(place)),
+        Some(there) => format!("{} `{}`: {}", there.at, shortened(&in_one_line(&there.text), EXPRESSION), words(place)),
         None => format!("an input: {}", words(place)),
     }
-}
-
-fn shortened(text: &str) -> String {
-    if text.chars().count() <= EXPRESSION {
-        return text.to_owned();
-    }
-    text.chars().take(EXPRESSION - 1).chain(['…']).collect()
 }

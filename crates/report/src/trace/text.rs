@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::{Summary, words};
+use crate::word::shortened;
 use base::text::counted;
 use base::value::{F32Bits, Scalar};
 use engine::trace::{StepReport, TraceReport};
@@ -114,7 +115,7 @@ fn rows(step: &StepReport, trace: &TraceReport) -> Vec<Row> {
     let round = if step.rounds > 1 { format!(" #{}", step.round) } else { String::new() };
     let wrote = match (&step.place, &step.event) {
         (_, Some(event)) if !event.starts_with("comparison") => event.clone(),
-        (Some(place), _) => shortened(&in_one_line(&place.text)),
+        (Some(place), _) => shortened(&in_one_line(&place.text), EXPRESSION),
         (None, event) => event.clone().unwrap_or_else(|| "(no text of the author's)".to_owned()),
     };
     let count = step.values.len();
@@ -165,17 +166,6 @@ fn real(value: &TracedValue) -> String {
 
 fn lost(value: &TracedValue) -> String {
     value.real.map_or_else(String::new, |_| format!("{:.1}", value.lost()))
-}
-
-/// The expression, without its middle where it is long.
-fn shortened(text: &str) -> String {
-    let all: Vec<char> = text.chars().collect();
-    if all.len() <= EXPRESSION {
-        return text.to_owned();
-    }
-    let half = (EXPRESSION - 1) / 2;
-    let (start, end) = (&all[..half], &all[all.len() - half..]);
-    start.iter().chain(&['…']).chain(end).collect()
 }
 
 fn outputs(text: &mut String, trace: &TraceReport, all: bool) {

@@ -153,6 +153,10 @@ impl Parser<'_> {
         if !alone || !is_macro(&word) || self.words.keyword(&word) || self.words.built_in_type(&word) {
             return false;
         }
+        // The type of a variable that is named on the next line.
+        if self.file.text().contains(&format!("struct {word}")) {
+            return false;
+        }
         let span = self.span();
         let message = format!("expected a statement, found `{word}` alone");
         self.sink.error(errors::SYNTAX, span, message, "no macro of this name is defined");
