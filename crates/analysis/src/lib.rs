@@ -15,4 +15,5 @@ mod pixel_names;
 mod pixel_units;
 pub mod pixels;
 pub mod range;
+pub mod spelled;
 pub mod uniformity;

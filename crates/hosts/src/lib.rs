@@ -5,6 +5,7 @@
 
 pub mod cpp;
 pub mod defined;
+pub mod depth;
 pub mod document;
 mod file;
 pub mod language;

@@ -75,6 +75,7 @@ pub const RULES: &[&Rule] = &[
     &glsl::location_twice::RULE,
     &glsl::function_without_body::RULE,
     &glsl::resource_index_not_uniform::RULE,
+    &program::position_not_invariant::RULE,
     // K. Compute kernels: work groups and their memory.
     &glsl::missing_barrier::RULE,
     &glsl::unguarded_invocation::RULE,

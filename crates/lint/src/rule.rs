@@ -60,6 +60,8 @@ pub(super) enum Check {
     After(fn(&Suppressions, &mut Findings<'_>)),
     /// One program at a time: shaders that are linked together, of which at least one is reported.
     Program(fn(&Program<'_>, &Project, &mut Findings<'_>)),
+    /// All files together, once.
+    Project(fn(&Project, &mut Findings<'_>)),
     /// One text at a time, whatever its language: planted rules in tests.
     #[cfg(test)]
     Text(fn(&SourceFile, &mut Findings<'_>)),
@@ -147,6 +149,13 @@ impl Rule {
                 let mut found = Vec::new();
                 self.gather(&wanted, &mut found, |program, findings| check(program, project, findings));
                 into.extend(found.into_iter().filter(|(_, d): &(Level, Diagnostic)| !silent.contains(d.file.name())));
+            }
+            Check::Project(check) => {
+                let mut found = Vec::new();
+                check(project, &mut Findings { rule: self, into: &mut found });
+                let reported: BTreeSet<&str> =
+                    project.shaders().filter(|s| s.reported).map(|s| s.file.name()).collect();
+                into.extend(found.into_iter().filter(|(_, d)| reported.contains(d.file.name())));
             }
             Check::FrontEnd(complete) => {
                 for shader in project.shaders().filter(|s| s.reported) {

@@ -8,6 +8,7 @@ pub(super) mod input_without_producer;
 pub(super) mod interface_type_mismatch;
 pub(super) mod interpolation_mismatch;
 pub(super) mod output_without_consumer;
+pub(super) mod position_not_invariant;
 pub(super) mod uniform_type_conflict;
 
 use syntax::Stage;
