@@ -1,9 +1,14 @@
 //! `shadercheck compare`: the same function in two texts, whatever language each is written in.
 
+mod many;
+mod twins;
 mod version;
+
+pub use many::{COMMAND as OF_TWINS, ShardResult as TwinsResult};
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::Context as _;
 use clap::Args;
@@ -46,15 +51,23 @@ With --same-bits, it says for each output whether both have the same bits on eve
 samples that have, samples that differ in strict binary32 already, and samples that are left to devices, with the operations \
 that leave them open. Sums and products count as rounded to nearest.
 
+Two folders or patterns ('glsl/**' 'wgsl/**') are compared file by file: twins have one path behind what the patterns begin \
+with, or one name. Without files, the pairs are those of shadercheck.toml, where functions that are known to differ are \
+left out:
+
+  [compare]
+  pairs = [{ first = \"glsl/**\", second = \"wgsl/**\", except = [\"hash\"] }]
+
 Exit status: 0 all pairs mean the same; 1 some do not, or a text does not compile; 2 usage, or nothing could be \
 compared.")]
 pub struct CompareArgs {
-    /// A shader file, or a version of it in git: `HEAD:shaders/light.glsl`
-    #[arg(value_name = "FIRST")]
-    pub first: String,
-    /// Another shader file or version, in any language
+    /// A shader file, or a version of it in git: `HEAD:shaders/light.glsl`; or a folder or pattern of files that have
+    /// twins in SECOND [default: the pairs that shadercheck.toml states]
+    #[arg(value_name = "FIRST", requires = "second")]
+    pub first: Option<String>,
+    /// Another shader file or version, in any language; or the folder or pattern of the twins
     #[arg(value_name = "SECOND")]
-    pub second: String,
+    pub second: Option<String>,
     /// Only functions of this name, or one overload by its types: `cubic(vec2)`; `NAME=OTHER` if the second text calls
     /// it differently; repeatable
     #[arg(long, value_name = "NAME")]
@@ -96,11 +109,33 @@ pub struct CompareArgs {
     pub format: Format,
 }
 
+impl CompareArgs {
+    /// The two arguments, if there are any.
+    fn two(&self) -> Option<[&str; 2]> {
+        Some([self.first.as_deref()?, self.second.as_deref()?])
+    }
+}
+
+/// The profiles that bounds are derived from.
+fn profiles(args: &CompareArgs) -> anyhow::Result<Vec<Arc<Profile>>> {
+    let profiles = args.profile.iter().map(|name| match profile::named(name)? {
+        Some(profile) => Ok(profile),
+        None => anyhow::bail!("--profile: a comparison needs bounds; `none` has none"),
+    });
+    profiles.collect()
+}
+
 /// Runs the command: the result goes to `out`, complaints to `err`.
 ///
 /// # Errors
 /// When a text cannot be read, a name is unknown, a domain or profile cannot be read, no lane is available, or output fails.
 pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
+    let Some([first, second]) = args.two() else {
+        return many::run(args, &twins::configured()?, (out, err), color);
+    };
+    if [first, second].into_iter().any(twins::means_several) {
+        return many::run(args, &twins::of_arguments([first, second])?, (out, err), color);
+    }
     let shard = args.sharing.shard()?;
     anyhow::ensure!(
         shard.is_none() || (args.case.is_none() && args.report_dir.is_none()),
@@ -111,18 +146,14 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
     let second_defines = [&args.input.define[..], &args.define_second[..]].concat();
     let given = |defines| Given { defines, ..args.input.reading(Some(&args.compose), None) };
     let texts = [
-        version::text(&args.first, &given(&args.input.define), stage)?,
-        version::text(&args.second, &given(&second_defines), stage)?,
+        version::text(first, &given(&args.input.define), stage)?,
+        version::text(second, &given(&second_defines), stage)?,
     ];
     for note in texts.iter().flat_map(IncludedText::notes) {
         writeln!(err, "note: {note}")?;
     }
     let stated = args.input.domains()?;
-    let profiles = args.profile.iter().map(|name| match profile::named(name)? {
-        Some(profile) => Ok(profile),
-        None => anyhow::bail!("--profile: a comparison needs bounds; `none` has none"),
-    });
-    let profiles = profiles.collect::<anyhow::Result<Vec<_>>>()?;
+    let profiles = profiles(args)?;
     let sides = [made(&texts[0], &args.input.define, err)?, made(&texts[1], &second_defines, err)?];
     let [Some(firsts), Some(seconds)] = &sides else { return Ok(ExitStatus::Findings) };
     let Pairing { pairs, unpaired } =
@@ -134,7 +165,7 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
         seed: args.input.seed,
         case: args.case.clone(),
         profiles: profiles.iter().map(AsRef::as_ref).collect::<Vec<&Profile>>(),
-        command: command(args),
+        command: command(args, [first, second]),
         curves: args.report_dir.is_some(),
         same_bits: args.same_bits,
     };
@@ -148,7 +179,7 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
 /// Everything that the result of a run depends on.
 fn identity(args: &CompareArgs, shards: u64, texts: &[IncludedText], lanes: &[&dyn Lane]) -> Identity {
     let identity = Identity::new("compare", args.input.seed, shards)
-        .with("command", command(args))
+        .with("command", command(args, args.two().unwrap_or_default()))
         .with("--function", args.function.join("; "))
         .with("--profile", args.profile.join(","))
         .with("--samples", args.samples)
@@ -251,8 +282,8 @@ fn page(folder: &Path, summary: &Summary) -> anyhow::Result<()> {
 }
 
 /// The command line up to the function.
-fn command(args: &CompareArgs) -> String {
-    let mut words = format!("shadercheck compare {} {}", shell_word(&args.first), shell_word(&args.second));
+fn command(args: &CompareArgs, [first, second]: [&str; 2]) -> String {
+    let mut words = format!("shadercheck compare {} {}", shell_word(first), shell_word(second));
     words += &args.input.words();
     if args.same_bits {
         words.push_str(" --same-bits");

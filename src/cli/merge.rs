@@ -104,6 +104,7 @@ pub fn run(args: &MergeArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     match merge.identity.command.as_str() {
         "check" => merge.of::<check::ShardResult>(all, out, err),
         "compare" => merge.of::<compare::ShardResult>(all, out, err),
+        compare::OF_TWINS => merge.of::<compare::TwinsResult>(all, out, err),
         "improve" => merge.of::<improve::ShardResult>(all, out, err),
         "tune" => merge.of::<tune::ShardResult>(all, out, err),
         "fuzz" => merge.of::<fuzz::ShardResult>(all, out, err),

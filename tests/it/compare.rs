@@ -278,3 +278,70 @@ fn loops_that_do_not_end_are_told_apart_and_hold_nothing_up() {
     let message = pair(&report, "f")["smallest"]["message"].as_str().unwrap().to_owned();
     assert_eq!(message, "a loop of the second does not end");
 }
+
+/// A folder with twins of which one has three slips, one is equal, and one has no twin.
+fn twins() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let from = root().join("fixtures/compare");
+    for (name, to) in [
+        ("functions.glsl", "glsl/common.glsl"),
+        ("slips.wgsl", "wgsl/common.wgsl"),
+        ("overloads.glsl", "glsl/over_loads.glsl"),
+        ("overloads.wgsl", "wgsl/overloads.wgsl"),
+        ("functions.glsl", "glsl/alone.glsl"),
+    ] {
+        let to = folder.path().join(to);
+        fs::create_dir_all(to.parent().unwrap()).unwrap();
+        fs::copy(from.join(name), to).unwrap();
+    }
+    folder
+}
+
+#[test]
+fn twins_of_two_folders_are_compared_file_by_file() {
+    let folder = twins();
+    let ran = run_in(folder.path(), "compare glsl wgsl --samples 1024").expect(1);
+    assert_eq!(ran.out.matches("UNLIKE").count(), 3, "{}", ran.out);
+    for text in
+        ["glsl/common.glsl = wgsl/common.wgsl", "no twin of 1 file of the first: glsl/alone.glsl", "6 equal, 3 unlike"]
+    {
+        assert!(ran.out.contains(text), "{text}: {}", ran.out);
+    }
+    let report = run_in(folder.path(), "compare glsl wgsl --samples 1024 --format json").expect(1).json();
+    assert_eq!(
+        (&report["status"], &report["counts"]["unlike"], &report["counts"]["files"]),
+        (&"fail".into(), &3.into(), &2.into())
+    );
+    let line = report["twins"][0]["pairs"][1]["smallest"]["reproduce"].as_str().unwrap().to_owned();
+    run_reported(folder.path(), &line, &["--lane", "embedded"]).expect(1);
+    let parts: Vec<String> = (0..2).map(|k| format!("compare glsl wgsl --samples 1024 --shard {k}/2")).collect();
+    parts.iter().for_each(|part| drop(run_in(folder.path(), part)));
+    let merged = run_in(folder.path(), "merge shards --format json").expect(1).json();
+    assert_eq!(merged, report);
+}
+
+#[test]
+fn twins_of_the_configuration_have_exceptions() {
+    let folder = twins();
+    let missing = run_in(folder.path(), "compare").expect(2).err;
+    assert!(missing.contains("[compare]") && missing.contains("pairs"), "{missing}");
+    let state = |except: &str| {
+        let text =
+            format!("[compare]\npairs = [{{ first = \"glsl/**\", second = \"wgsl/*.wgsl\", except = [{except}] }}]\n");
+        fs::write(folder.path().join("shadercheck.toml"), text).unwrap();
+    };
+    state("\"turn\", \"heading\"");
+    let ran = run_in(folder.path(), "compare --samples 1024").expect(1);
+    assert!(ran.out.contains("1 unlike, 2 known to differ"), "{}", ran.out);
+    state("\"turn\", \"heading\", \"wrapAngle\", \"fade\"");
+    let ran = run_in(folder.path(), "compare --samples 1024").expect(0);
+    assert!(ran.out.contains("is stated to differ (`except`), and does not"), "{}", ran.out);
+    fs::write(folder.path().join("wgsl/common.wgsl"), "fn turn( {").unwrap();
+    let ran = run_in(folder.path(), "compare --samples 1024").expect(1);
+    assert!(ran.out.contains("common.wgsl does not compile: error"), "{}", ran.out);
+    fs::write(folder.path().join("shadercheck.toml"), "[compare]\npairs = [{ frist = \"glsl/**\" }]\n").unwrap();
+    let wrong = run_in(folder.path(), "compare").expect(2).err;
+    assert!(wrong.contains("shadercheck.toml:2:") && wrong.contains("frist"), "{wrong}");
+    let none = run_in(folder.path(), "compare 'glsl/*.vert' wgsl").expect(2).err;
+    assert!(none.contains("means (0)"), "{none}");
+}

@@ -75,6 +75,8 @@ sets = "mat4"
 [[variant]]
 name = "QUALITY"
 values = ["0", "1"]
+[compare]
+pairs = [{ first = "glsl/**", second = "wgsl/**", except = ["hash"] }]
 "#;
 
 const EXPECTATIONS: &str = "[[expected]]\nlane = \"vulkan*\"\ndriver = \"*llvmpipe*\"\n\

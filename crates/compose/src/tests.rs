@@ -218,6 +218,36 @@ fn included_files_are_copied_with_their_macros() {
 }
 
 #[test]
+fn a_file_that_is_included_twice_is_there_once_unless_it_is_read_in_several_ways() {
+    let files: Files = &[
+        (
+            "main.wgsl",
+            "#include \"a.wgsl\"\n#include \"b.wgsl\"\n#include \"a.wgsl\"\nfn f() -> f32 { return ONE + two(); }\n",
+        ),
+        ("a.wgsl", "const ONE = 1.0;\n"),
+        ("b.wgsl", "#include \"a.wgsl\"\nfn two() -> f32 { return ONE + ONE; }\n"),
+    ];
+    assert_eq!(text(files, &[]).matches("const ONE").count(), 1);
+    let files: Files = &[
+        (
+            "main.wgsl",
+            "#ifdef LEFT_OUT\n#include \"a.wgsl\"\n#endif\n#include \"a.wgsl\"\nfn f() -> f32 { return ONE; }\n",
+        ),
+        ("a.wgsl", "const ONE = 1.0;\n"),
+    ];
+    assert_eq!(text(files, &[]).matches("const ONE").count(), 1);
+    let files: Files = &[
+        (
+            "main.wgsl",
+            "#define NAME a\n#include \"a.wgsl\"\n#undef NAME\n#define NAME b\n#include \"a.wgsl\"\nfn f() { a(); b(); }\n",
+        ),
+        ("a.wgsl", "fn NAME() {}\n"),
+    ];
+    let both = text(files, &[]);
+    assert!(both.contains("fn a()") && both.contains("fn b()"), "{both}");
+}
+
+#[test]
 fn what_is_not_there_is_told_with_what_was_meant() {
     let files: Files = &[
         (

@@ -78,7 +78,8 @@ pub fn resolve(file: &SourceFile, find: &mut dyn FnMut(&Wanted) -> Option<Source
 }
 
 /// The same for a text that is not GLSL, where hosts have `#import <path>`, `#import "path"` and `#import name` for it
-/// as well. An `#import` of anything within a module, such as `#import a::b`, stays.
+/// as well. An `#import` of anything within a module, such as `#import a::b`, stays. WGSL has no guards: a file that is
+/// asked for under no condition is put in once, unless macros are taken back, with which it is read in several ways.
 pub fn resolve_plain(file: &SourceFile, find: &mut dyn FnMut(&Wanted) -> Option<SourceFile>) -> Included {
     joined(file, find, CommentStyle::Wgsl)
 }
@@ -90,7 +91,9 @@ fn joined(file: &SourceFile, find: &mut dyn FnMut(&Wanted) -> Option<SourceFile>
     }
     let (open, once, guarded) = (Vec::new(), Vec::new(), Vec::new());
     let (missing, cycles) = (Vec::new(), Vec::new());
-    let mut work = Work { find, comments, assembly: Assembly::new(), open, once, guarded, missing, cycles };
+    let each_once = matches!(comments, CommentStyle::Wgsl) && !file.text().contains("#undef");
+    let assembly = Assembly::new();
+    let mut work = Work { find, comments, each_once, assembly, open, once, guarded, missing, cycles };
     let any = work.add(file);
     let Work { assembly, missing, cycles, .. } = work;
     let file = if any { assembly.finish(file.name()) } else { file.clone() };
@@ -108,6 +111,8 @@ fn directive_words(comments: CommentStyle) -> &'static [&'static str] {
 struct Work<'a> {
     find: &'a mut dyn FnMut(&Wanted) -> Option<SourceFile>,
     comments: CommentStyle,
+    /// Whether a file is put in once that is asked for under no condition.
+    each_once: bool,
     assembly: Assembly,
     /// Names of the files that are being put in.
     open: Vec<Arc<str>>,
@@ -133,7 +138,7 @@ impl Work<'_> {
         let mut at = 0;
         let mut any = false;
         for directive in directives(file, self.comments) {
-            let Directive::Include(wanted) = directive else {
+            let Directive::Include(wanted, conditional) = directive else {
                 self.once.push(name.clone());
                 continue;
             };
@@ -152,8 +157,11 @@ impl Work<'_> {
                     self.cycles.push(Cycle { wanted, chain, guarded });
                 }
             } else if self.open.len() < DEEPEST {
-                let once = wanted.import.then(|| found.name().into());
+                let each_once = self.each_once;
+                self.each_once &= !conditional;
+                let once = (wanted.import || self.each_once).then(|| found.name().into());
                 self.add(&found);
+                self.each_once = each_once;
                 self.once.extend(once);
             }
         }
@@ -171,7 +179,8 @@ fn has_guard(file: &SourceFile) -> bool {
 }
 
 enum Directive {
-    Include(Wanted),
+    /// What is asked for, and whether a condition stands around it.
+    Include(Wanted, bool),
     PragmaOnce,
 }
 
@@ -179,7 +188,7 @@ enum Directive {
 fn directives(file: &SourceFile, style: CommentStyle) -> Vec<Directive> {
     let comments = lex_with(file.text(), style).comments;
     let mut found = Vec::new();
-    let mut start = 0;
+    let (mut start, mut conditions) = (0, 0_usize);
     for line in file.text().split_inclusive(['\n', '\r']) {
         let span = Span::new(start, start + line.trim_end_matches(['\n', '\r']).len());
         start += line.len();
@@ -201,7 +210,12 @@ fn directives(file: &SourceFile, style: CommentStyle) -> Vec<Directive> {
             }
             let span = Span::new(span.start + indent, span.end);
             let (path, quoted) = (inside.to_owned(), quoted || import);
-            found.push(Directive::Include(Wanted { from: file.clone(), path, quoted, import, span }));
+            let wanted = Wanted { from: file.clone(), path, quoted, import, span };
+            found.push(Directive::Include(wanted, conditions > 0));
+        } else if rest.starts_with("if") {
+            conditions += 1;
+        } else if rest.starts_with("endif") {
+            conditions = conditions.saturating_sub(1);
         } else if rest.strip_prefix("pragma").is_some_and(|p| p.split_whitespace().next() == Some("once")) {
             found.push(Directive::PragmaOnce);
         }

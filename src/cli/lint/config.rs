@@ -22,7 +22,7 @@ use super::LevelName;
 /// Name of the file.
 pub const FILE_NAME: &str = "shadercheck.toml";
 
-const KEYS: [&str; 6] = ["lint", "presets", "range", "program", "wrapper", "variant"];
+const KEYS: [&str; 7] = ["lint", "presets", "range", "program", "wrapper", "variant", "compare"];
 const LINT_KEYS: [&str; 5] = ["select", "ignore", "level", "lang", "per-file-ignores"];
 const LEVELS: [(&str, LevelName); 3] =
     [("default", LevelName::Default), ("strict", LevelName::Strict), ("heuristic", LevelName::Heuristic)];
@@ -77,6 +77,19 @@ pub struct FileConfig {
     pub per_file: Vec<PerFilePattern>,
     /// What rules are told.
     pub config: Config,
+    /// Files that are to mean the same.
+    pub twins: Vec<TwinPatterns>,
+}
+
+/// Files that are to mean the same as others, which `shadercheck compare` holds against each other.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TwinPatterns {
+    /// Pattern of paths of the first.
+    pub first: String,
+    /// Pattern of paths of their twins.
+    pub second: String,
+    /// Functions that are known to differ.
+    pub except: Vec<String>,
 }
 
 /// Rules that are left out for some files.
@@ -138,6 +151,9 @@ fn whole(root: Table<'_>) -> FileConfig {
         if let Some(table) = lint.table("per-file-ignores", "[lint.per-file-ignores]") {
             config.per_file = per_file(table);
         }
+    }
+    if let Some(compare) = root.table("compare", "[compare]") {
+        config.twins = compare.only(&["pairs"]).tables("pairs", "pairs").into_iter().filter_map(twins).collect();
     }
     config.config = Config {
         ranges: root.tables("range", "[[range]]").into_iter().filter_map(range).collect(),
@@ -256,6 +272,14 @@ fn wrapper(table: Table<'_>) -> Option<Wrapper> {
     Some(Wrapper { function: function?.value, kind: kind?, argument: argument.unwrap_or(0) as usize, sets })
 }
 
+fn twins(table: Table<'_>) -> Option<TwinPatterns> {
+    let table = table.only(&["first", "second", "except"]);
+    let first = table.required_text("first", "first = \"glsl/**\"");
+    let second = table.required_text("second", "second = \"wgsl/**\"");
+    let except = table.texts("except").into_iter().map(|name| name.value).collect();
+    Some(TwinPatterns { first: first?.value, second: second?.value, except })
+}
+
 fn presets(root: Table<'_>) -> Vec<String> {
     let given = root.texts("presets");
     for preset in given.iter().filter(|p| !Config::PRESETS.contains(&p.value.as_str())) {
@@ -310,6 +334,9 @@ values = ["0", "1"]
 
 [[variant]]
 name = "GLOW"
+
+[compare]
+pairs = [{ first = "glsl/**", second = "wgsl/**", except = ["hash"] }]
 "#;
 
     #[test]
@@ -327,6 +354,9 @@ name = "GLOW"
         let values = |values: &[Option<&str>]| values.iter().map(|v| v.map(str::to_owned)).collect::<Vec<_>>();
         let variants: Vec<_> = config.config.variants.iter().map(|v| (v.name.as_str(), v.values.clone())).collect();
         assert_eq!(variants, [("QUALITY", values(&[Some("0"), Some("1")])), ("GLOW", values(&[Some("1"), None]))]);
+        let twins =
+            TwinPatterns { first: "glsl/**".to_owned(), second: "wgsl/**".to_owned(), except: vec!["hash".to_owned()] };
+        assert_eq!(config.twins, [twins]);
         assert!(read("").unwrap().select.is_none());
     }
 

@@ -23,7 +23,7 @@ struct Root<'a> {
 
 /// A function without a partner.
 #[derive(Serialize)]
-struct Alone<'a> {
+pub(super) struct Alone<'a> {
     text: &'static str,
     function: &'a str,
     at: &'a str,
@@ -31,7 +31,7 @@ struct Alone<'a> {
 }
 
 #[derive(Serialize)]
-struct Pair<'a> {
+pub(super) struct Pair<'a> {
     first: Function<'a>,
     second: Function<'a>,
     not_compared: Option<&'a str>,
@@ -145,12 +145,12 @@ pub fn json(summary: &Summary) -> String {
     text
 }
 
-fn alone(side: usize, one: &Unpaired) -> Alone<'_> {
+pub(super) fn alone(side: usize, one: &Unpaired) -> Alone<'_> {
     let why = one.why.as_deref().unwrap_or("the other text has no function of this name");
     Alone { text: ["first", "second"][side], function: &one.function, at: &one.at, why }
 }
 
-fn pair(pair: &Compared) -> Pair<'_> {
+pub(super) fn pair(pair: &Compared) -> Pair<'_> {
     let function = |side: usize| Function { function: &pair.functions[side], at: &pair.at[side] };
     Pair {
         first: function(0),

@@ -2,11 +2,13 @@
 
 mod json;
 mod text;
+mod twins;
 
 use engine::compare::{Compared, Unpaired};
 
 pub use json::json;
 pub use text::text;
+pub use twins::{TwinReport, Twins, json as twins_json, text as twins_text};
 
 /// A run of `compare`.
 #[derive(Debug, Default)]

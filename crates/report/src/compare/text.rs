@@ -13,10 +13,7 @@ pub fn text(summary: &Summary, color: bool) -> String {
     let (good, bad, weak, off) = (paint("\u{1b}[32m"), paint("\u{1b}[31m"), paint("\u{1b}[33m"), paint("\u{1b}[0m"));
     let mut text = format!("first   {}\nsecond  {}\n", summary.texts[0], summary.texts[1]);
     for pair in &summary.pairs {
-        let name = match &pair.functions {
-            [a, b] if a == b => a.clone(),
-            [a, b] => format!("{a} = {b}"),
-        };
+        let name = name(pair);
         let (mark, paint, says) = match (&pair.not_compared, pair.unlike.0) {
             (Some(why), _) => ("--    ", weak, format!("not compared: {why}")),
             (None, 0) if pair.weak().is_some() => ("weak  ", weak, equal(pair)),
@@ -55,7 +52,15 @@ pub fn text(summary: &Summary, color: bool) -> String {
     text
 }
 
-fn equal(pair: &Compared) -> String {
+/// The functions of a pair: one name where they have one.
+pub(super) fn name(pair: &Compared) -> String {
+    match &pair.functions {
+        [a, b] if a == b => a.clone(),
+        [a, b] => format!("{a} = {b}"),
+    }
+}
+
+pub(super) fn equal(pair: &Compared) -> String {
     let open: u64 = pair.undetermined.iter().map(|(_, count)| count).sum();
     let mut text = format!("{} of {} samples mean the same", pair.equal, pair.samples);
     if open > 0 {
@@ -66,7 +71,7 @@ fn equal(pair: &Compared) -> String {
     text
 }
 
-fn unlike(pair: &Compared) -> String {
+pub(super) fn unlike(pair: &Compared) -> String {
     let (all, beyond) = pair.unlike;
     let open = pair.unbounded;
     let hidden = match (beyond, open) {
@@ -81,7 +86,7 @@ fn unlike(pair: &Compared) -> String {
     format!("{all} of {} samples mean something else{hidden}", pair.samples)
 }
 
-fn difference(text: &mut String, smallest: &Unlike) {
+pub(super) fn difference(text: &mut String, smallest: &Unlike) {
     let _ = writeln!(text, "  differs    {}", smallest.message);
     if let Some([a, b]) = smallest.values
         && a.is_finite()
@@ -121,7 +126,7 @@ fn details(text: &mut String, pair: &Compared) {
 /// Operations of each side that are shown.
 const PLACES: usize = 4;
 
-fn same_bits(text: &mut String, bits: &SameBits) {
+pub(super) fn same_bits(text: &mut String, bits: &SameBits) {
     let SameBits { output, same, other, open, first, places } = bits;
     let all = same + other + open;
     let says = if bits.holds() {

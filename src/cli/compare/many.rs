@@ -1,0 +1,209 @@
+//! A run over twins: every function that two files have in common.
+
+use std::collections::HashSet;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::twins::{Twin, Twins};
+use super::{CompareArgs, Given, command, made, version};
+use crate::cli::fuzz::Inputs;
+use crate::cli::shard::{Printed, Printing, Terminal};
+use crate::cli::status::ExitStatus;
+use crate::cli::waiting::Waiting;
+use base::text::Shown as _;
+use engine::compare::{self, Pairing, Request};
+use engine::fuzz::{Domain, Subject};
+use engine::session::{At, Job, Join, Seen, Unlike};
+use engine::shard::Identity;
+use judge::profile::Profile;
+use lanes::Lane;
+use report::compare::{TwinReport, Twins as Summary, twins_json, twins_text};
+
+/// How the parts of such a run are called.
+pub const COMMAND: &str = "compare twins";
+
+/// Compares all twins.
+///
+/// # Errors
+/// When an option is for one pair of files, or a domain, profile or lane cannot be had.
+pub(super) fn run(
+    args: &CompareArgs,
+    twins: &Twins,
+    (out, err): (&mut dyn Write, &mut dyn Write),
+    color: bool,
+) -> anyhow::Result<ExitStatus> {
+    args.sharing.shard()?;
+    let of_one = [("--function", !args.function.is_empty()), ("--report-dir", args.report_dir.is_some())];
+    if let Some((option, _)) = of_one.iter().find(|(_, given)| *given) {
+        anyhow::bail!("{option} is for two files: name them");
+    }
+    let _waiting = Waiting::begin();
+    let stated = args.input.domains()?;
+    let profiles = super::profiles(args)?;
+    // What is asked of many is whether they mean the same: lanes run them where they are named.
+    let opened = if args.lane.is_empty() { Vec::new() } else { crate::cli::lanes::opened(&args.lane, false)? };
+    let lanes: Vec<&dyn Lane> = opened.iter().map(AsRef::as_ref).collect();
+    let names = |paths: &[PathBuf]| paths.iter().map(|path| path.shown().to_string()).collect::<Vec<_>>();
+    let part = ShardResult { alone: twins.alone.each_ref().map(|side| names(side)), twins: Vec::new() };
+    let key = |shards| identity(args, shards, twins, &lanes);
+    let mut all = All {
+        args,
+        twins: &twins.twins,
+        inputs: Inputs::new(&stated),
+        lanes: &lanes,
+        profiles: profiles.iter().map(AsRef::as_ref).collect(),
+        seen: HashSet::new(),
+    };
+    args.sharing.run(&mut all, part, key, &mut Terminal::new(args.format, color, out, err))
+}
+
+fn identity(args: &CompareArgs, shards: u64, twins: &Twins, lanes: &[&dyn Lane]) -> Identity {
+    let identity = Identity::new(COMMAND, args.input.seed, shards)
+        .with("inputs", args.input.words())
+        .with("--profile", args.profile.join(","))
+        .with("--same-bits", args.same_bits)
+        .with("--samples", args.samples)
+        .on(lanes.iter().map(|lane| lane.description()));
+    let paths = twins.twins.iter().flat_map(|twin| &twin.paths);
+    paths.fold(identity, |all, path| match std::fs::read_to_string(path) {
+        Ok(text) => all.of(&format!("file `{}`", path.shown()), &text),
+        Err(_) => all,
+    })
+}
+
+struct All<'a> {
+    args: &'a CompareArgs,
+    twins: &'a [Twin],
+    inputs: Inputs<'a>,
+    lanes: &'a [&'a dyn Lane],
+    profiles: Vec<&'a Profile>,
+    /// Places of the pairs that were compared.
+    seen: HashSet<[String; 2]>,
+}
+
+/// Two files with their functions, or why they are not compared.
+struct Unit {
+    names: [String; 2],
+    except: Vec<String>,
+    sides: Result<[Vec<Subject>; 2], String>,
+}
+
+impl All<'_> {
+    /// The functions of a file, or why it has none.
+    fn side(&self, path: &Path, defines: &[(String, String)]) -> anyhow::Result<Result<Vec<Subject>, String>> {
+        let args = self.args;
+        let given = Given { defines, ..args.input.reading(Some(&args.compose), None) };
+        let text = match version::text(&path.to_string_lossy(), &given, args.input.stage()) {
+            Ok(text) => text,
+            Err(error) => return Ok(Err(format!("{error:#}"))),
+        };
+        let mut said = Vec::new();
+        let subjects = made(&text, defines, &mut said)?;
+        Ok(subjects.ok_or_else(|| format!("{} does not compile: {}", path.shown(), first_line(&said))))
+    }
+}
+
+/// What is said first.
+fn first_line(said: &[u8]) -> String {
+    String::from_utf8_lossy(said).lines().next().unwrap_or_default().to_owned()
+}
+
+impl Job for All<'_> {
+    type Unit = Unit;
+    type Part = ShardResult;
+    type Error = anyhow::Error;
+    type Event<'e> = Seen<'e>;
+
+    fn unit(&mut self, number: u64, _: &mut At<'_, Self>) -> anyhow::Result<Option<Unit>> {
+        let Some(twin) = self.twins.get(number as usize) else {
+            self.inputs.all_used()?;
+            return Ok(None);
+        };
+        let names = twin.paths.each_ref().map(|path| path.shown().to_string());
+        let defines = &self.args.input.define;
+        let second_defines = [&defines[..], &self.args.define_second[..]].concat();
+        let sides = match self.side(&twin.paths[0], defines)? {
+            Ok(first) => self.side(&twin.paths[1], &second_defines)?.map(|second| [first, second]),
+            Err(why) => Err(why),
+        };
+        Ok(Some(Unit { names, except: twin.except.clone(), sides }))
+    }
+
+    fn run(&mut self, (number, unit): (u64, Unit), at: &mut At<'_, Self>) -> anyhow::Result<()> {
+        let Unit { names, except, sides } = unit;
+        let mut report = TwinReport { except, ..TwinReport::of(names) };
+        let pairing = match &sides {
+            Ok([first, second]) => compare::pairing([first, second], &[]),
+            Err(why) => Err(why.clone()),
+        };
+        let Pairing { pairs, unpaired } = match pairing {
+            Ok(pairing) => pairing,
+            Err(why) => {
+                report.not_compared = Some(why);
+                Pairing::default()
+            }
+        };
+        report.unpaired = unpaired;
+        let request = Request {
+            samples: self.args.samples,
+            seed: self.args.input.seed,
+            case: None,
+            profiles: self.profiles.clone(),
+            command: command(self.args, [&report.texts[0], &report.texts[1]]),
+            curves: false,
+            same_bits: self.args.same_bits,
+        };
+        for pair in pairs {
+            // A function of a file that several include is compared once.
+            if !self.seen.insert(pair.map(|subject| subject.at.clone())) {
+                continue;
+            }
+            let domain: Domain = self.inputs.domain(pair[0])?;
+            let compared = compare::run(pair, &domain, self.lanes, &request).map_err(anyhow::Error::msg)?;
+            report.pairs.push(compared);
+        }
+        at.part.twins.push((number, report));
+        Ok(())
+    }
+}
+
+/// What came of some twins, each with its number in the run.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct ShardResult {
+    alone: [Vec<String>; 2],
+    twins: Vec<(u64, TwinReport)>,
+}
+
+impl Join for ShardResult {
+    fn join(&mut self, other: Self) -> Result<(), Unlike> {
+        Unlike::unless(self.alone == other.alone, "compared different files")?;
+        self.twins.extend(other.twins);
+        self.twins.sort_by_key(|(number, _)| *number);
+        let mut seen = HashSet::new();
+        for (_, twin) in &mut self.twins {
+            twin.pairs.retain(|pair| seen.insert(pair.at.clone()));
+        }
+        Ok(())
+    }
+}
+
+impl Printed for ShardResult {
+    fn print(self, mut to: Printing<'_>) -> anyhow::Result<ExitStatus> {
+        let twins = self.twins.into_iter().map(|(_, twin)| twin).collect();
+        let summary = Summary { seed: to.identity.seed, twins, alone: self.alone };
+        let printed = if to.json { twins_json(&summary) } else { twins_text(&summary, to.color) };
+        to.out.write_all(printed.as_bytes())?;
+        Ok(if let Some(status) = to.ended()? {
+            status
+        } else if summary.counts().compared == 0 {
+            writeln!(to.err, "error: nothing could be compared")?;
+            ExitStatus::Error
+        } else if summary.fails() {
+            ExitStatus::Findings
+        } else {
+            ExitStatus::Clean
+        })
+    }
+}
