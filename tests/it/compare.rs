@@ -345,3 +345,33 @@ fn twins_of_the_configuration_have_exceptions() {
     let none = run_in(folder.path(), "compare 'glsl/*.vert' wgsl").expect(2).err;
     assert!(none.contains("means (0)"), "{none}");
 }
+
+#[test]
+fn the_smallest_case_is_one_that_devices_cannot_hide_with_the_values_that_the_texts_have() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    // Other digits of π in one, and the remainder of a negative number.
+    write("a.glsl", "float f(float x) { return mod(x, 2.0) * 3.14159265; }\n");
+    write("b.wgsl", "fn f(x: f32) -> f32 { return (x % 2.0) * 3.1415926535; }\n");
+    let report =
+        run_in(folder.path(), "compare a.glsl b.wgsl --lane embedded --samples 4096 --format json").expect(1).json();
+    let smallest = &report["pairs"][0]["smallest"];
+    let number = |key: &str| smallest[key].as_str().unwrap().parse::<f64>().unwrap();
+    assert!((number("first") - number("second")).abs() > 1.0, "{smallest}");
+    // At a jump, the values are those of this input.
+    write("a.glsl", "float m(float x) { return floor(mod(x, 2.0)); }\n");
+    write("b.wgsl", "fn m(x: f32) -> f32 { return floor(x % 2.0); }\n");
+    let ran = run_in(folder.path(), "compare a.glsl b.wgsl --lane embedded --domain x=[-1,-1] --samples 16").expect(1);
+    assert!(ran.out.contains("is 1.0 in the first and -1.0 in the second"), "{}", ran.out);
+}
+
+#[test]
+fn a_text_that_cannot_be_read_says_why_it_has_no_functions() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.glsl"), "float g(float x) { return x; }\nfloat h(float x) { return x }\n").unwrap();
+    fs::write(folder.path().join("b.wgsl"), "fn g(x: f32) -> f32 { return x; }\n").unwrap();
+    let ran = run_in(folder.path(), "compare a.glsl b.wgsl --lane embedded");
+    assert_ne!(ran.code, 0);
+    let said = format!("{}{}", ran.out, ran.err);
+    assert!(said.contains("a.glsl:2:"), "{said}");
+}

@@ -66,7 +66,12 @@ pub fn needs_another_reader(shader: &Shader) -> bool {
     let word = |span: base::text::Span| PARAMETRISED.contains(&shader.file().slice(span));
     let parametrised =
         || shader.tokens().iter().any(|t| word(t.span) && text[t.span.end..].trim_start().starts_with('<'));
-    text.lines().map(str::trim).any(is_host_include) || parametrised()
+    text.lines().map(str::trim).any(|line| is_host_include(line) || is_of_hlms(line)) || parametrised()
+}
+
+/// `@property( hlms_shadowcaster )` of Ogre's material system: branches that exclude each other stand in one text.
+fn is_of_hlms(line: &str) -> bool {
+    ["@property(", "@insertpiece("].iter().any(|mark| line.starts_with(mark))
 }
 
 /// `AppInclude(include/Math.glsl)`

@@ -42,7 +42,7 @@ impl Fronts {
             }
         }
         let (scripts, hosts): (Vec<&HostFile>, Vec<&HostFile>) = project.hosts().partition(|host| host.is_script());
-        for host in hosts {
+        for host in &hosts {
             let mut at = 0;
             for line in host.file.text().split_inclusive('\n') {
                 // What a whole shader in a literal declares is its own.
@@ -52,7 +52,8 @@ impl Fronts {
                 at += line.len();
             }
         }
-        let renames = scripts.iter().any(|host| rewrites(host.file.text()));
+        let renames =
+            scripts.iter().any(|host| rewrites(host.file.text())) || hosts.iter().any(|host| has_aliases(host));
         let mut words = InFront::Words(names);
         let mut pages = HashMap::new();
         for host in scripts {
@@ -76,6 +77,9 @@ impl Fronts {
         let host = shader.origin.as_ref().map(|origin| origin.host.name());
         let page = host.and_then(|name| self.pages.get(document_of(name)));
         let all = || [Some(&self.words), page].into_iter().flatten();
+        if self.renames && word.starts_with("gl_") && (open::is_about_a_name(error) || error.code == errors::RESERVED) {
+            return true;
+        }
         if open::is_about_a_name(error) {
             return all().any(|words| match words {
                 InFront::Words(words) => words.contains(word),
@@ -84,7 +88,7 @@ impl Fronts {
             });
         }
         if error.code == errors::RESERVED {
-            return self.renames && word.starts_with("gl_");
+            return false;
         }
         let has = |word: &&str| all().any(|words| words.may_have(word));
         let states = || ["version", "extension", "precision"].iter().any(has);
@@ -106,6 +110,11 @@ fn written(line: &str) -> Option<&str> {
         ["#define ", "uniform ", "const ", "in ", "out ", "varying ", "attribute ", "layout", "struct ", "\\n#define "];
     let declares = |start: &&str| quoted.trim_start().starts_with(*start) && quoted.len() > start.len();
     starts.iter().any(declares).then_some(quoted)
+}
+
+/// True for host code that has OpenSceneGraph declare variables of its own for those that begin with `gl_`.
+fn has_aliases(host: &HostFile) -> bool {
+    host.file.text().contains("setUseVertexAttributeAliasing")
 }
 
 /// True for host code with the beginning of all names of the language alone: `/\bgl_\w+/`, `'gl_'`.

@@ -477,6 +477,10 @@ fn mark(error: &Diagnostic) -> Option<&str> {
 pub fn holds_anywhere(code: Code) -> bool {
     let of_rules = code.0.starts_with('T') || code.0 == "N014";
     let rests = errors::rests_on(code);
+    // What is left out may be the `return`.
+    if code == errors::RETURN_TYPE {
+        return false;
+    }
     // The front end gives codes of rules as well.
     if rests.is_empty() { of_rules } else { !rests.intersects(!(Around::TYPES | Around::VALUES)) }
 }

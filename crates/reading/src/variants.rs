@@ -1,5 +1,7 @@
 //! What is wrong in parts of a text that only a macro from outside switches on: hosts define what an `#if` asks.
 
+use std::cell::OnceCell;
+
 use base::diagnostic::Diagnostic;
 use base::text::Span;
 use syntax::errors::Around;
@@ -35,21 +37,27 @@ pub fn errors(shader: &Shader) -> Vec<(bool, Diagnostic)> {
     for defines in sets {
         let parsed = shader.with_defines(&[&defines[..], shader.defines()].concat());
         let surroundings = Surroundings::new(&parsed.shader, &conditions, &parsed.diagnostics);
-        for error in &parsed.diagnostics {
+        // Read so, the text has the surroundings that it has as it stands.
+        let doubtful = OnceCell::new();
+        for (k, error) in parsed.diagnostics.iter().enumerate() {
             let told = |(_, d): &(bool, Diagnostic)| open::stands_in(std::slice::from_ref(d), error);
             if is_active(shader, error.span) || found.iter().any(told) {
                 continue;
             }
             let name = error.file.slice(error.span);
-            // The macro stands where a name is wanted: what guards a declaration has taken its name.
-            let own = error.code == errors::SYNTAX && defines.iter().any(|(macro_name, _)| macro_name == name);
             let unsure = open::is_of_unknown_value(&parsed.shader, &asked, error);
             let of_names = open::is_of_another(error) || errors::is_name(error.code);
             let open = unsure || of_names || surroundings.leave_open(error, outside);
-            let certain = own || (!many && whole && !open);
+            let is_doubtful = || {
+                let all = doubtful.get_or_init(|| open::doubtful(&parsed.shader, &parsed.diagnostics, Around::empty()));
+                all.get(k).copied().unwrap_or(false)
+            };
+            let certain = !many && whole && !open && !is_doubtful();
             let unknown = error.code == errors::UNKNOWN_NAME && !syntax::is_macro(name);
             let of_types = !errors::rests_on(error.code).intersects(!(Around::TYPES | Around::VALUES));
-            let on_request = !many && (unknown || of_types);
+            // What guards a declaration has taken its name, unless the host defines it as another.
+            let own = error.code == errors::SYNTAX && defines.iter().any(|(macro_name, _)| macro_name == name);
+            let on_request = !many && (unknown || of_types || own);
             if certain || on_request {
                 found.push((certain, error.clone()));
             }

@@ -220,6 +220,10 @@ pub(crate) fn lex_with(text: &str, comments: CommentStyle) -> Pieces {
         match lex {
             Lex::Blank | Lex::Splice => spaced = true,
             Lex::Newline => (first, spaced) = (true, true),
+            Lex::LineComment if comments == CommentStyle::C && is_hook(&text[span.range()]) => {
+                out.pieces.push(Piece { lex: Lex::Hole, span, first, spaced: true });
+                (first, spaced) = (false, true);
+            }
             Lex::LineComment | Lex::BlockComment(_) => {
                 spaced = true;
                 if lex == Lex::BlockComment(false) {
@@ -249,6 +253,13 @@ pub(crate) fn lex_with(text: &str, comments: CommentStyle) -> Pieces {
         }
     }
     out
+}
+
+/// True for a comment that is a path and nothing else, `//VTK::Light::Impl`: a host puts something in its place.
+fn is_hook(comment: &str) -> bool {
+    let mut parts = comment.trim_start_matches('/').trim().split("::").peekable();
+    let is_name = |part: &str| !part.is_empty() && super::words::identifier(part) == part;
+    parts.next().is_some_and(is_name) && parts.peek().is_some() && parts.all(is_name)
 }
 
 /// The last point of what starts like a number and is one with a swizzle: `0.25f.xxxx`.

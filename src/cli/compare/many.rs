@@ -100,7 +100,10 @@ impl All<'_> {
             Err(error) => return Ok(Err(format!("{error:#}"))),
         };
         let mut said = Vec::new();
-        let subjects = made(&text, defines, &mut said)?;
+        let subjects = match made(&text, defines, &mut said) {
+            Ok(subjects) => subjects,
+            Err(error) => return Ok(Err(format!("{}: {error:#}", path.shown()))),
+        };
         Ok(subjects.ok_or_else(|| format!("{} does not compile: {}", path.shown(), first_line(&said))))
     }
 }

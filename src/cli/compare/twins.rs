@@ -9,6 +9,7 @@ use globset::{GlobBuilder, GlobMatcher};
 use crate::cli::below;
 use crate::cli::lint::config::{self, FileConfig, TwinPatterns};
 use crate::cli::lint::groups::shortened;
+use syntax::Stage;
 
 /// Two files that are to mean the same.
 pub(super) struct Twin {
@@ -121,10 +122,14 @@ fn matching(folder: &Path, files: &[PathBuf], pattern: &str) -> anyhow::Result<V
     Ok(own.collect())
 }
 
-/// A path without its ending, however its words are put together.
+/// A path without its endings, however its words are put together. The ending of a stage stays: `blur.frag.hlsl`.
 fn plain(path: &str) -> String {
     let (folder, name) = path.rsplit_once('/').map_or(("", path), |(folder, name)| (folder, name));
-    let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
+    let of_language = |name: &str| below::stage_of(Path::new(name)).is_some_and(|stage| stage == Stage::Library);
+    let stem = match name.rsplit_once('.') {
+        Some((stem, _)) if of_language(name) => stem,
+        _ => name,
+    };
     let letters = |text: &str| text.chars().filter(|c| !matches!(c, '_' | '-')).flat_map(char::to_lowercase).collect();
     let (folder, stem): (String, String) = (letters(folder), letters(stem));
     if folder.is_empty() { stem } else { format!("{folder}/{stem}") }
@@ -133,8 +138,12 @@ fn plain(path: &str) -> String {
 /// What belongs together: by the path, or else by the name where it is that of one file on either side.
 fn paired(firsts: &[Candidate], seconds: &[Candidate]) -> Vec<[usize; 2]> {
     let mut pairs: Vec<[usize; 2]> = Vec::new();
+    let stageless = |key: &str| match below::stage_of(Path::new(key)) {
+        Some(_) => key.rsplit_once('.').map_or(key, |(stem, _)| stem).to_owned(),
+        None => key.to_owned(),
+    };
     let name = |key: &str| key.rsplit_once('/').map_or(key, |(_, name)| name).to_owned();
-    let ways: [&dyn Fn(&str) -> String; 2] = [&str::to_owned, &name];
+    let ways: [&dyn Fn(&str) -> String; 4] = [&str::to_owned, &stageless, &name, &|key: &str| stageless(&name(key))];
     for way in ways {
         let open = |all: &[Candidate], side: usize, pairs: &[[usize; 2]]| {
             let mut by_key: BTreeMap<String, Vec<usize>> = BTreeMap::new();
@@ -166,6 +175,8 @@ mod tests {
 
     #[test]
     fn files_are_paired_by_path_and_else_by_a_name_of_one_file() {
+        let stages = [&["x.frag", "x.vert", "y.frag"], &["x.frag.hlsl", "x.vert.hlsl", "y.wgsl"]];
+        assert_eq!(paired(&candidates(stages[0]), &candidates(stages[1])), [[0, 0], [1, 1], [2, 2]]);
         let firsts = candidates(&["a/noise.glsl", "b/noise.glsl", "light/phongModel.glsl", "only.glsl", "two/x.glsl"]);
         let seconds = candidates(&["a/noise.wgsl", "b/noise.wgsl", "phong_model.wgsl", "p/x.wgsl", "q/x.wgsl"]);
         assert_eq!(paired(&firsts, &seconds), [[0, 0], [1, 1], [2, 2]]);

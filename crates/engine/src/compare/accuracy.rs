@@ -176,10 +176,20 @@ fn widest(limits: &Limits, ranges: &[std::ops::Range<usize>], slot: usize) -> Ac
     widest
 }
 
-/// How many of some samples differ by more than devices that keep a profile may be off in both functions together, and how many
-/// of the others differ where nothing bounds a device.
-pub(super) fn beyond(pair: &ReadyPair<'_>, profile: &Profile, samples: &[Sample]) -> (u64, u64) {
-    let (mut count, mut unbounded) = (0, 0);
+/// How far a sample is apart in both functions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Apart {
+    /// By no more than devices that keep a profile may be off in both together.
+    Within,
+    /// Where nothing bounds a device.
+    Unbounded,
+    /// By more than that.
+    Beyond,
+}
+
+/// How far some samples are apart, each by the word that says most, and the values of the word that is farthest apart.
+pub(super) fn apart(pair: &ReadyPair<'_>, profile: &Profile, samples: &[Sample]) -> Vec<(Apart, Option<Farthest>)> {
+    let mut all = Vec::with_capacity(samples.len());
     let mut limiters = pair.oracles.each_ref().map(|oracle| Limiter::new(oracle, profile, Stage::Compute));
     let mut limits = [Limits::default(), Limits::default()];
     for chunk in samples.chunks(SLOTS) {
@@ -188,24 +198,33 @@ pub(super) fn beyond(pair: &ReadyPair<'_>, profile: &Profile, samples: &[Sample]
         for (side, batch) in [&batch, &fed].into_iter().enumerate() {
             limiters[side].look(batch, 0, &mut limits[side]);
         }
-        // By the word that says most: it is farther off than bounds are, or has none.
         let of_word = |own: usize, other: usize| {
             let (x, y) = (limits[0].values[own], limits[1].values[other]);
             let allowed = limits[0].bounds[own] + limits[1].bounds[other];
             match () {
-                () if x.is_nan() != y.is_nan() || (x - y).abs() > allowed => 2,
-                () if x != y && !(x.is_nan() && y.is_nan()) && !allowed.is_finite() => 1,
-                () => 0,
+                () if x.is_nan() != y.is_nan() || (x - y).abs() > allowed => Apart::Beyond,
+                () if x != y && !(x.is_nan() && y.is_nan()) && !allowed.is_finite() => Apart::Unbounded,
+                () => Apart::Within,
             }
         };
         for slot in 0..limits[0].slots {
-            let words = pair.reference.pairs().into_iter().flat_map(|(own, other)| own.zip(other));
-            match words.map(|(own, other)| of_word(own * SLOTS + slot, other * SLOTS + slot)).max() {
-                Some(2) => count += 1,
-                Some(1) => unbounded += 1,
-                Some(_) | None => {}
-            }
+            let words = || pair.reference.pairs().into_iter().flat_map(|(own, other)| own.zip(other));
+            let grade = words().map(|(own, other)| of_word(own * SLOTS + slot, other * SLOTS + slot)).max();
+            let farthest = words().map(|(own, other)| {
+                let values = [limits[0].values[own * SLOTS + slot], limits[1].values[other * SLOTS + slot]];
+                Farthest { word: own, values }
+            });
+            let far = |one: &Farthest| (one.values[0] - one.values[1]).abs();
+            let farthest = farthest.filter(|one| far(one).is_finite()).max_by(|a, b| far(a).total_cmp(&far(b)));
+            all.push((grade.unwrap_or(Apart::Within), farthest));
         }
     }
-    (count, unbounded)
+    all
+}
+
+/// The word of an output that is farthest apart, with its value in real numbers in each of the two.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Farthest {
+    pub word: usize,
+    pub values: [f64; 2],
 }

@@ -174,7 +174,8 @@ fn apart(sides: &[Vec<Looked>; 2], (own, other): (usize, usize)) -> f64 {
     points.map(far).filter(|far| far.is_finite()).fold(0.0, f64::max)
 }
 
-fn named(record: &Record, word: usize) -> String {
+/// The name of a word of an output: `return.x`.
+pub(super) fn named(record: &Record, word: usize) -> String {
     let field = (0..record.fields().len()).find(|&k| record.range(k).contains(&word));
     field.map_or_else(String::new, |k| {
         let field = &record.fields()[k];

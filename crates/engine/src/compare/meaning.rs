@@ -5,7 +5,8 @@ use std::convert::Infallible;
 
 use serde::{Deserialize, Serialize};
 
-use super::accuracy::beyond;
+use super::accuracy::{Apart, Farthest, apart};
+use super::curve::named;
 use super::{Compared, ReadyPair};
 use crate::InputValue;
 use crate::activity;
@@ -48,8 +49,9 @@ pub(super) struct Meanings {
     beyond: u64,
     /// Of the others, those for which nothing bounds a device.
     unbounded: u64,
-    /// Differing samples, realistic ones first.
+    /// Differing samples, realistic ones first; and of those as well that devices cannot hide.
     kept: Vec<(bool, Sample)>,
+    kept_beyond: Vec<(bool, Sample)>,
 }
 
 /// How the two stand in a sample.
@@ -81,6 +83,10 @@ impl ReadyPair<'_> {
     }
 }
 
+fn in_words(component: &str, [first, second]: [f64; 2]) -> String {
+    format!("`{component}` is {first:?} in the first and {second:?} in the second")
+}
+
 /// What a verdict says of the two; `turned` when the second was held against the first.
 fn standing(verdict: Verdict, turned: bool) -> MeaningStanding {
     match verdict {
@@ -90,9 +96,7 @@ fn standing(verdict: Verdict, turned: bool) -> MeaningStanding {
             What::Value(value) => {
                 let values = [value.meaning, value.expected.unwrap_or(f64::NAN)];
                 let values = if turned { [values[1], values[0]] } else { values };
-                let message =
-                    format!("`{}` is {:?} in the first and {:?} in the second", value.component, values[0], values[1]);
-                MeaningStanding::Unlike(value.component.clone(), Some(values), message)
+                MeaningStanding::Unlike(value.component.clone(), Some(values), in_words(&value.component, values))
             }
             What::NotWritten { component, .. } => {
                 let which = if turned { "second" } else { "first" };
@@ -147,16 +151,25 @@ impl Meanings {
             }
         }
         let samples: Vec<Sample> = (0..count).filter(|&k| differing[k]).map(|k| Sample::of(batch, k)).collect();
-        let (beyond, unbounded) = beyond(pair, profile, &samples);
-        self.beyond += beyond;
-        self.unbounded += unbounded;
+        for ((apart, _), sample) in apart(pair, profile, &samples).into_iter().zip(samples) {
+            match apart {
+                Apart::Beyond => {
+                    self.beyond += 1;
+                    if self.kept_beyond.len() < SHRUNK {
+                        self.kept_beyond.push((realistic, sample));
+                    }
+                }
+                Apart::Unbounded => self.unbounded += 1,
+                Apart::Within => {}
+            }
+        }
         Some(differing)
     }
 
     /// Shrinks what differs, and writes what was found; gives the smallest sample.
     pub(super) fn finish(
         self,
-        pair: &ReadyPair<'_>,
+        (pair, profile): (&ReadyPair<'_>, &Profile),
         domain: &Domain,
         reproduce: &dyn Fn(&Sample) -> String,
         compared: &mut Compared,
@@ -167,8 +180,11 @@ impl Meanings {
         compared.unlike = (self.count, self.beyond);
         compared.unbounded = self.unbounded;
         let realistic = self.kept.iter().any(|(realistic, _)| *realistic);
+        // Other digits of a constant would hide what else differs.
+        let beyond = self.kept_beyond.iter().any(|(of, _)| *of == realistic);
+        let kept = if beyond { self.kept_beyond } else { self.kept };
         let first: Vec<Sample> =
-            self.kept.into_iter().filter(|(of, _)| *of == realistic).map(|(_, sample)| sample).collect();
+            kept.into_iter().filter(|(of, _)| *of == realistic).map(|(_, sample)| sample).collect();
         if first.is_empty() {
             return None;
         }
@@ -179,7 +195,9 @@ impl Meanings {
             }
             let batch = Sample::batch(samples);
             let found = pair.standing(&batch, &pair.fed(&batch));
-            Ok((0..samples.len()).map(|k| matches!(found.get(&k), Some(MeaningStanding::Unlike(..)))).collect())
+            let unlike = |k: usize| matches!(found.get(&k), Some(MeaningStanding::Unlike(..)));
+            let far = if beyond { apart(pair, profile, samples) } else { Vec::new() };
+            Ok((0..samples.len()).map(|k| unlike(k) && (!beyond || far[k].0 == Apart::Beyond)).collect())
         };
         let within = match realistic && !domain.is_stated() {
             true => Within::Realistic(&pair.sides[0].realistic),
@@ -194,7 +212,16 @@ impl Meanings {
         let sample = shrunk.into_iter().map(|one| one.sample).min_by(simpler)?;
         let batch = Sample::batch(std::slice::from_ref(&sample));
         let found = pair.standing(&batch, &pair.fed(&batch)).remove(&0);
-        let Some(MeaningStanding::Unlike(output, values, message)) = found else { return None };
+        let Some(MeaningStanding::Unlike(mut output, mut values, mut message)) = found else { return None };
+        // Of several values at a jump, the two are told that the texts have.
+        let farthest = apart(pair, profile, std::slice::from_ref(&sample)).pop().and_then(|(_, farthest)| farthest);
+        if let (Some(_), Some(Farthest { word, values: both })) = (values, farthest)
+            && both[0] != both[1]
+        {
+            output = named(&pair.sides[0].kernel.output.vertex, word);
+            message = in_words(&output, both);
+            values = Some(both);
+        }
         let (inputs, reproduce) = (InputValue::all(&sample, &pair.sides[0].program), reproduce(&sample));
         compared.smallest = Some(Unlike { inputs, output, values, message, realistic, reproduce });
         Some(sample)

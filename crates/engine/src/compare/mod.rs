@@ -209,7 +209,7 @@ pub fn run(
         let inputs = regressions::inputs_text(sample);
         format!("{} --function {function} --seed {} --case '{inputs}'", request.command, request.seed)
     };
-    let smallest = meaning.finish(&pair, domain, &reproduce, &mut compared);
+    let smallest = meaning.finish((&pair, request.profiles[0]), domain, &reproduce, &mut compared);
     if request.curves && !interrupt::asked() {
         let around = smallest.or_else(|| accuracy.iter_mut().find_map(accuracy::Gauge::widest));
         let around = around.or_else(|| Some(Sample::of(&drawn(ready, domain, key, (0, 1), true), 0)));

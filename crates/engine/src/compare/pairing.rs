@@ -87,7 +87,12 @@ pub fn pairing<'a>(sides: [&'a [Subject]; 2], wanted: &[String]) -> Result<Pairi
         let all = sides.map(|side| side.iter().collect::<Vec<_>>());
         let pairing = of(&all[0], &all[1], &NAMED);
         if pairing.pairs.is_empty() {
-            let labels = |side: usize| sides[side].iter().map(|s| s.label.as_str()).collect::<Vec<_>>().join(", ");
+            // A text that cannot be read has no functions, and says why.
+            let label = |s: &Subject| match &s.ready {
+                Err(why) if s.at.starts_with(&s.label) => format!("{} ({why})", s.label),
+                _ => s.label.clone(),
+            };
+            let labels = |side: usize| sides[side].iter().map(label).collect::<Vec<_>>().join(", ");
             let reasons = reasons(&pairing.unpaired);
             return Err(format!(
                 "the texts have no function in common; --function NAME=OTHER says which belong together; the first has: {}; \
@@ -164,7 +169,10 @@ struct PairingWay {
 }
 
 /// The ways in which functions belong together by name, the surest first.
-const NAMED: [PairingWay; 4] = [
+const NAMED: [PairingWay; 7] = [
+    PairingWay { names: |a, b| a.name == b.name, fits: alike, only: false },
+    PairingWay { names: |a, b| plain(&a.name) == plain(&b.name), fits: alike, only: true },
+    PairingWay { names: by_suffix, fits: alike, only: true },
     PairingWay { names: |a, b| a.name == b.name, fits: in_order, only: false },
     PairingWay { names: |a, b| plain(&a.name) == plain(&b.name), fits: in_order, only: true },
     PairingWay { names: by_suffix, fits: in_order, only: true },
@@ -231,6 +239,20 @@ fn is_suffix(text: &str) -> bool {
     let short = number.len() == 1 && number.len() + 1 >= text.len() && ("1"..="4").contains(&number);
     let of_vector = text.strip_prefix('v').is_some_and(|rest| Written::shape_named(&format!("vec{rest}")).is_some());
     short || of_vector || Written::shape_named(text).is_some() || ["f32", "i32", "u32", "f", "i", "u"].contains(&text)
+}
+
+/// True for the same types of parameters in the same order, and the same type of what is returned: `noise2` may be the
+/// second noise, or noise of two numbers.
+fn alike(a: &Subject, b: &Subject) -> bool {
+    let returned = |s: &Subject| {
+        let fields = s.ready.as_ref().ok()?.kernel.output.vertex.fields();
+        Some(fields.iter().find(|field| field.name == "return").map(|field| field.shape))
+    };
+    let same = match (returned(a), returned(b)) {
+        (Some(a), Some(b)) => a == b,
+        _ => true,
+    };
+    same && in_order(a, b)
 }
 
 /// True for the same types of parameters in the same order.
@@ -303,6 +325,13 @@ mod tests {
         let all = pairing([&a, &b], &[]).unwrap();
         assert_eq!(names(&all), ["f2 = f2"]);
         assert_eq!(all.unpaired[0][0].function, "f");
+    }
+
+    #[test]
+    fn what_is_returned_tells_a_number_from_a_suffix() {
+        let a = glsl("float noise(vec2 v) { return v.x; }\nvec2 noise2(vec2 v) { return v; }\n");
+        let b = wgsl("fn noise2(v: vec2f) -> f32 { return v.x; }\nfn noise22(v: vec2f) -> vec2f { return v; }\n");
+        assert_eq!(names(&pairing([&a, &b], &[]).unwrap()), ["noise = noise2", "noise2 = noise22"]);
     }
 
     #[test]

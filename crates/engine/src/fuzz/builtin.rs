@@ -26,7 +26,7 @@ const fn output(name: &'static str, ty: &'static str) -> Known {
 
 /// Those that a function can be given, or that it can give. What is not here is refused by name when a
 /// function that uses it is run.
-const ALL: [Known; 34] = [
+const ALL: [Known; 35] = [
     output("gl_Position", "vec4"),
     output("gl_PointSize", "float"),
     output("gl_FragColor", "vec4"),
@@ -61,6 +61,8 @@ const ALL: [Known; 34] = [
     output("gl_FrontColor", "vec4"),
     output("gl_BackColor", "vec4"),
     output("gl_FogFragCoord", "float"),
+    // What a vertex stage gives is what a fragment stage reads.
+    Known { name: "gl_TexCoord", ty: "vec4", array: Some(8), output: true },
 ];
 
 /// The variable of that name.

@@ -60,10 +60,10 @@ fn leaves(ty: &Type) -> Result<Vec<Leaf>, String> {
 }
 
 /// How a part is copied: as a whole, but an array inside of a structure element by element. To naga the
-/// two are types of their own, with elements that lie differently.
-fn elements(path: &str, shape: Shape) -> Vec<String> {
+/// two are types of their own, with elements that lie differently. The first versions copy no array as a whole.
+fn elements(path: &str, shape: Shape, whole_arrays: bool) -> Vec<String> {
     match shape.array {
-        Some(n) if !path.is_empty() => (0..n).map(|k| format!("[{k}]")).collect(),
+        Some(n) if !path.is_empty() || !whole_arrays => (0..n).map(|k| format!("[{k}]")).collect(),
         Some(_) | None => vec![String::new()],
     }
 }
@@ -86,6 +86,8 @@ struct WrapperText {
     inputs: Vec<String>,
     outputs: Vec<String>,
     words: usize,
+    /// The version copies arrays as a whole.
+    whole_arrays: bool,
 }
 
 impl WrapperText {
@@ -94,7 +96,7 @@ impl WrapperText {
             let name = format!("sc_i{}", self.inputs.len());
             // Without `in`, which the text may have defined as something else.
             self.params.push(declared(&shape.to_string(), &name));
-            for at in elements(path, *shape) {
+            for at in elements(path, *shape, self.whole_arrays) {
                 let _ = writeln!(self.before, "  {variable}{path}{at} = {name}{at};");
             }
             self.inputs.push(format!("{shown}{path}"));
@@ -106,7 +108,7 @@ impl WrapperText {
         for (path, shape) in leaves {
             let name = format!("sc_o{}", self.outputs.len());
             self.params.push(format!("out {}", declared(&shape.to_string(), &name)));
-            for at in elements(path, *shape) {
+            for at in elements(path, *shape, self.whole_arrays) {
                 let _ = writeln!(self.after, "  {name}{at} = {variable}{path}{at};");
             }
             self.outputs.push(format!("{shown}{path}"));
@@ -133,7 +135,8 @@ impl WrapperText {
 /// # Errors
 /// Why it cannot be called, in words that go on from "not run: ".
 pub fn wrap(shader: &Shader, function: &FunctionInfo, slice: &Slice) -> Result<Wrapped, String> {
-    let mut text = WrapperText::default();
+    let number = shader.version().number;
+    let mut text = WrapperText { whole_arrays: number != 100 && number != 110, ..WrapperText::default() };
     let is_main = function.name.name == "main";
     let called = if is_main { MAIN } else { &function.name.name };
     let mut call = String::new();

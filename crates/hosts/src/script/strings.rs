@@ -311,11 +311,20 @@ fn template(literal: &mut Literal, file: &SourceFile, inner: Span, escapes: bool
         let before = text[..hole.start].rsplit(line).next().unwrap_or("").trim();
         let behind = text[hole.end..].split(line).next().unwrap_or("").trim();
         // Alone in its line it stands for lines.
-        let stands_for = if before.is_empty() && behind.is_empty() { " " } else { FILLED_IN };
-        literal.made(stands_for, Span::new(inner.start + hole.start, inner.start + hole.end));
+        let lines = before.is_empty() && behind.is_empty();
+        let stands_for = if lines { " ".to_owned() } else { named(&text[hole.start..hole.end]) };
+        literal.made(&stands_for, Span::new(inner.start + hole.start, inner.start + hole.end));
         at = hole.end;
     }
     Some(filled)
+}
+
+/// Stands for what is filled in: one name for each variable, or member of an object.
+fn named(value: &str) -> String {
+    let value = value.trim_start_matches("${").trim_end_matches('}').trim();
+    let is_path = value.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '.');
+    let words = value.split(['.', '_']).filter(|word| is_path && !word.is_empty());
+    std::iter::once(FILLED_IN).chain(words).collect::<Vec<_>>().join("_")
 }
 
 /// Places of `${…}` from `at` on.

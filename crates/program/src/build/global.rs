@@ -114,8 +114,7 @@ impl<'s> Build<'s> {
 
     fn builtin_length(&self, name: &str) -> Option<u32> {
         Some(match name {
-            "gl_FragData"
-            | "gl_LightSource"
+            "gl_LightSource"
             | "gl_FrontLightProduct"
             | "gl_BackLightProduct"
             | "gl_ClipPlane"
@@ -134,7 +133,7 @@ impl<'s> Build<'s> {
             | "gl_ObjectPlaneQ" => 8,
             "gl_SampleMask" | "gl_SampleMaskIn" => 1,
             "gl_in" => self.vertices_taken(),
-            "gl_TexCoord" if self.indexed_freely(name) => 8,
+            "gl_TexCoord" | "gl_FragData" if self.indexed_freely(name) => 8,
             "gl_ClipDistance" | "gl_CullDistance" if self.indexed_freely(name) || self.taken_whole(name) => 8,
             _ => return None,
         })

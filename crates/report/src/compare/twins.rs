@@ -165,10 +165,10 @@ pub fn text(summary: &Twins, color: bool) -> String {
                 }
             }
         }
-        for one in twin.unpaired.iter().flatten() {
-            if let Some(why) = &one.why {
-                let _ = writeln!(own, "{weak}--    {off}  {:<20} no partner: {why}", one.function);
-            }
+        let unlike: Vec<String> =
+            twin.unpaired.iter().flatten().filter(|one| one.why.is_some()).map(|one| one.function.clone()).collect();
+        if !unlike.is_empty() {
+            let _ = writeln!(own, "{weak}--    {off}  no partner with these parameters: {}", in_a_row(&unlike));
         }
         if !own.is_empty() {
             let _ = writeln!(text, "{} = {}\n{own}", twin.texts[0], twin.texts[1]);

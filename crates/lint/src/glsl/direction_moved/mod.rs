@@ -56,7 +56,8 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         let Some(name) = direction(shader, *three).filter(|_| constant(shader, *w) == Some(1.0)) else { continue };
         // Rotations and transposed inverses move nothing, and what becomes a position is drawn as one.
         let text = shader.text_of(matrix).to_lowercase();
-        let still = ["rot", "norm", "transpose"].iter().any(|word| text.contains(word));
+        let inverse = words(shader.text_of(matrix)).iter().any(|word| word == "it");
+        let still = inverse || ["rot", "norm", "transpose"].iter().any(|word| text.contains(word));
         if *shader.type_of(*three) != Type::VEC3 || still {
             continue;
         }
@@ -127,6 +128,7 @@ mod tests {
             "n = (model * vec4(place, 1.0)).xyz;",
             "n = (model * vec4(lightPos, 1.0)).xyz;",
             "n = (rotation * vec4(aNormal, 1.0)).xyz;",
+            "mat4 worldIT = model; n = (worldIT * vec4(aNormal, 1.0)).xyz;",
             "n = (transpose(inverse(model)) * vec4(aNormal, 1.0)).xyz;",
             "n = (model * vec4(place + aNormal, 1.0)).xyz;",
             "gl_Position = model * vec4(aNormal, 1.0);",

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use hosts::HostFile;
 use reading::{Project, ShaderFile};
 use syntax::Stage;
 use syntax::symbols::{CallTarget, FunctionInfo};
@@ -61,7 +62,17 @@ fn has_body_elsewhere(file: &ShaderFile, project: &Project, function: &FunctionI
     let name = &function.name.name;
     let others = project.shaders().filter(|s| s.file.name() != file.file.name());
     let defines = |s: &ShaderFile| s.shader.functions().any(|(_, f)| f.name.name == *name && f.definition.is_some());
-    others.into_iter().any(defines)
+    others.into_iter().any(defines) || stands_in_a_host(file, project, function)
+}
+
+/// True where host code has the head of this function outside of the text itself: in a string that is no whole shader.
+fn stands_in_a_host(file: &ShaderFile, project: &Project, function: &FunctionInfo) -> bool {
+    let head = format!("{} {}(", function.return_type, function.name.name);
+    let own = |host: &HostFile| match &file.origin {
+        Some(origin) if origin.host.name() == host.file.name() => file.file.text().matches(&head).count(),
+        _ => 0,
+    };
+    project.hosts().any(|host| host.file.text().matches(&head).count() > own(host))
 }
 
 #[cfg(test)]
@@ -81,6 +92,22 @@ mod tests {
         assert_eq!(messages("I011", "a.frag", &unused), [""; 0]);
         let overload = format!("{CALL}float shade(vec2 x) {{ return x.x; }}\n");
         assert_eq!(messages("I011", "a.frag", &overload).len(), 1, "another overload is no body of this one");
+    }
+
+    #[test]
+    fn a_body_in_another_string_of_a_host_counts() {
+        let main = CALL.replace('\n', "\\n\"\n\"");
+        let host = |other: &str| {
+            format!(
+                "const char* fragmentSource = \"{main}\";\nconst char* shadeSource = \"{other} {{ return x; }}\\n\";\n"
+            )
+        };
+        let count = |text: String| {
+            let found = run(&[Input::new(SourceFile::new("a.cpp", text))]);
+            found.iter().filter(|d| d.code.0 == "I011").count()
+        };
+        assert_eq!(count(host("float shade(float x)")), 0);
+        assert_eq!(count(host("float other(float x)")), 1);
     }
 
     #[test]

@@ -126,7 +126,9 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
 }
 
 fn format(qualifiers: &Qualifiers) -> Option<(&'static str, Span)> {
-    FORMATS.iter().find_map(|f| qualifiers.layout_entry(f).map(|e| (*f, e.key.span)))
+    // Names of layouts are read in any case, up to GLSL 4.60.
+    let as_written = |f: &str| [f.to_owned(), f.to_uppercase()].iter().find_map(|f| qualifiers.layout_entry(f));
+    FORMATS.iter().find_map(|f| as_written(f).map(|e| (*f, e.key.span)))
 }
 
 fn is_written_only(variable: &Variable) -> bool {
@@ -149,6 +151,7 @@ mod tests {
         let read = "v = imageLoad(i, ivec2(0))";
         assert_eq!(reported("uniform image2D i;", read), ["the image `i` has no format"]);
         assert_eq!(reported("layout(rgba8) uniform image2D i;", read), [""; 0]);
+        assert_eq!(reported("layout(RGBA8) uniform image2D i;", read), [""; 0]);
         assert_eq!(reported("writeonly uniform image2D i;", "imageStore(i, ivec2(0), v)"), [""; 0]);
         let sampled = "v = texture(s, vec2(0.0))";
         assert_eq!(

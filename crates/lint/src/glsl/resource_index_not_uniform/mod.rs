@@ -69,7 +69,13 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         let Type::Array(element, _) = shader.type_of(base) else { continue };
         let is_block = || {
             let symbol = shader.symbol_of(base).map(|id| shader.symbol(id));
-            symbol.is_some_and(|s| matches!(s.kind, SymbolKind::BlockInstance(_)))
+            symbol.is_some_and(|s| match s.kind {
+                SymbolKind::BlockInstance(block) => {
+                    let storage = shader.interface().blocks.get(block).map(|block| block.storage);
+                    matches!(storage, Some(Storage::Uniform | Storage::Buffer))
+                }
+                _ => false,
+            })
         };
         if !(matches!(**element, Type::Opaque(_)) || is_block()) || is_marked(file, expr.span) {
             continue;
@@ -133,6 +139,13 @@ mod tests {
         let samplers = "layout(set = 0, binding = 0) uniform sampler2D maps[8];";
         assert_eq!(levels(samplers, "c = texture(maps[id], uv);"), (1, 0));
         assert_eq!(levels(samplers, "c = texture(maps[int(gl_FragCoord.x) % 8], uv);"), (1, 1));
+    }
+
+    #[test]
+    fn what_a_stage_gives_for_each_vertex_is_no_resource() {
+        let text = "#version 450\nlayout(vertices = 3) out;\nlayout(location = 0) out S { vec3 h; } to[];\nvoid main() {\n  \
+            to[gl_InvocationID].h = vec3(1.0);\n  gl_out[gl_InvocationID].gl_Position = gl_in[gl_InvocationID].gl_Position;\n}\n";
+        assert_eq!(strict_count(RULE.code, "a.tesc", text), 0);
     }
 
     #[test]
