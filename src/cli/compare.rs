@@ -18,6 +18,7 @@ use super::check::profile;
 use super::check::{Format, shell_word};
 use super::compose::{ComposeArgs, Given};
 use super::fuzz::{Inputs, subjects};
+use super::hosts::Hosts;
 use super::includes::IncludedText;
 use super::inputs::InputArgs;
 use super::shard::{Printed, Printing, ShardArgs, Terminal};
@@ -145,9 +146,10 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
     let stage = args.input.stage();
     let second_defines = [&args.input.define[..], &args.define_second[..]].concat();
     let given = |defines| Given { defines, ..args.input.reading(Some(&args.compose), None) };
+    let mut hosts = Hosts::default();
     let texts = [
-        version::text(first, &given(&args.input.define), stage)?,
-        version::text(second, &given(&second_defines), stage)?,
+        version::text(first, &given(&args.input.define), stage)?.assuming(&args.input.define, &mut hosts),
+        version::text(second, &given(&second_defines), stage)?.assuming(&second_defines, &mut hosts),
     ];
     for note in texts.iter().flat_map(IncludedText::notes) {
         writeln!(err, "note: {note}")?;
@@ -155,7 +157,9 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
     let stated = args.input.domains()?;
     let profiles = profiles(args)?;
     let sides = [made(&texts[0], &args.input.define, err)?, made(&texts[1], &second_defines, err)?];
-    let [Some(firsts), Some(seconds)] = &sides else { return Ok(ExitStatus::Findings) };
+    let [Some((firsts, first_broken)), Some((seconds, second_broken))] = &sides else {
+        return Ok(ExitStatus::Findings);
+    };
     let Pairing { pairs, unpaired } =
         compare::pairing([firsts, seconds], &args.function).map_err(anyhow::Error::msg)?;
     let opened = super::lanes::opened(&args.lane, args.lane.is_empty())?;
@@ -170,9 +174,11 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
         same_bits: args.same_bits,
     };
     let names = texts.each_ref().map(|text| text.name.clone());
-    let part = ShardResult { texts: names, unpaired, pairs: Vec::new(), page: args.report_dir.clone() };
+    let broken = first_broken.is_some() || second_broken.is_some();
+    let part = ShardResult { texts: names, broken, unpaired, pairs: Vec::new(), page: args.report_dir.clone() };
     let key = |shards| identity(args, shards, &texts, &lanes);
-    let mut pairs = Pairs { pairs, lanes: &lanes, request, inputs: Inputs::new(&stated) };
+    let texts = texts.each_ref();
+    let mut pairs = Pairs { pairs, texts, lanes: &lanes, request, inputs: Inputs::new(&stated) };
     args.sharing.run(&mut pairs, part, key, &mut Terminal::new(args.format, color, out, err))
 }
 
@@ -190,6 +196,7 @@ fn identity(args: &CompareArgs, shards: u64, texts: &[IncludedText], lanes: &[&d
 /// The pairs of functions of a run.
 struct Pairs<'a> {
     pairs: Vec<[&'a Subject; 2]>,
+    texts: [&'a IncludedText; 2],
     lanes: &'a [&'a dyn Lane],
     request: Request<'a>,
     inputs: Inputs<'a>,
@@ -211,8 +218,52 @@ impl<'a> Job for Pairs<'a> {
 
     fn run(&mut self, (number, (pair, domain)): (u64, Self::Unit), at: &mut At<'_, Self>) -> anyhow::Result<()> {
         let compared = compare::run(pair, &domain, self.lanes, &self.request);
-        at.part.pairs.push((number, compared.map_err(|why| anyhow::anyhow!("--case: {why}"))?));
+        let compared = compared.map_err(|why| anyhow::anyhow!("--case: {why}"))?;
+        at.part.pairs.push((number, open(compared, pair, self.texts)));
         Ok(())
+    }
+}
+
+/// True for a variable of a module that each invocation has for itself: 0 at first, until other functions write it.
+fn is_private(text: &IncludedText, name: &str) -> bool {
+    let text = text.file.text();
+    let named = |rest: &str| syntax::words::identifier(rest.trim_start()) == name;
+    text.match_indices("var<private>").any(|(at, mark)| named(&text[at + mark.len()..]))
+}
+
+/// What came of a pair, where a difference may lie in what stands for a name that one text lacks, or in a variable that
+/// others write before: then nothing is known.
+fn open(compared: Compared, pair: [&Subject; 2], texts: [&IncludedText; 2]) -> Compared {
+    let inputs = pair.map(|subject| {
+        let records = subject.ready.iter().flat_map(|ready| [&ready.kernel.invocation, &ready.kernel.case]);
+        let names = records.flat_map(|record| record.fields()).map(|field| field.name.as_str());
+        names.map(|name| name.rsplit(' ').next().unwrap_or(name)).collect::<Vec<&str>>()
+    });
+    let own = |side: usize| {
+        let made_up = inputs[side].iter().find(|name| texts[side].makes_up(name) && !inputs[1 - side].contains(name));
+        let of_macro = || texts[side].assumed().iter().find(|one| !texts[1 - side].assumed().contains(one));
+        made_up.map(|name| (*name).to_owned()).or_else(|| of_macro().map(|(name, _)| name.clone()))
+    };
+    let private = || {
+        let alone = inputs[0].iter().find(|name| !inputs[1].contains(name) && is_private(texts[1], name))?;
+        Some(format!(
+            "`{alone}` is an input of the first, and in {} a variable that others write before",
+            texts[1].name
+        ))
+    };
+    let made_up = own(0).map(|name| (name, 0)).or_else(|| own(1).map(|name| (name, 1)));
+    let why =
+        made_up.map(|(name, side)| format!("{} lacks `{name}`, and what stands for it differs", texts[side].name));
+    match why.or_else(private) {
+        Some(why) if compared.unlike.0 > 0 => Compared {
+            not_compared: Some(why),
+            equal: 0,
+            unlike: (0, 0),
+            smallest: None,
+            same_bits: Vec::new(),
+            ..compared
+        },
+        _ => compared,
     }
 }
 
@@ -220,6 +271,9 @@ impl<'a> Job for Pairs<'a> {
 #[derive(Debug, Serialize, Deserialize)]
 pub struct ShardResult {
     texts: [String; 2],
+    /// Some functions of a text do not compile.
+    #[serde(default)]
+    broken: bool,
     unpaired: [Vec<Unpaired>; 2],
     pairs: Vec<(u64, Compared)>,
     /// Where the page of a whole run goes.
@@ -239,7 +293,7 @@ impl Join for ShardResult {
 
 impl Printed for ShardResult {
     fn print(self, mut to: Printing<'_>) -> anyhow::Result<ExitStatus> {
-        let Self { texts, unpaired, pairs, page: folder } = self;
+        let Self { texts, broken, unpaired, pairs, page: folder } = self;
         let pairs = pairs.into_iter().map(|(_, compared)| compared).collect();
         let summary = Summary { texts, seed: to.identity.seed, pairs, unpaired, interrupted: to.interrupted };
         if let Some(folder) = folder {
@@ -252,7 +306,9 @@ impl Printed for ShardResult {
         } else if !summary.pairs.iter().any(Compared::is_known) {
             writeln!(to.err, "error: nothing could be compared")?;
             ExitStatus::Error
-        } else if summary.pairs.iter().any(|pair| pair.unlike.0 > 0 || !pair.same_bits.iter().all(SameBits::holds)) {
+        } else if broken
+            || summary.pairs.iter().any(|pair| pair.unlike.0 > 0 || !pair.same_bits.iter().all(SameBits::holds))
+        {
             ExitStatus::Findings
         } else {
             ExitStatus::Clean
@@ -260,17 +316,20 @@ impl Printed for ShardResult {
     }
 }
 
-/// The functions of a text, each ready to run or told why it is not; `None` when the text does not compile, which is printed.
+/// The functions of a text, each ready to run or told why it is not, and the first error where some do not compile; `None`
+/// when no function does. What is wrong is printed.
 fn made(
     text: &IncludedText,
     defines: &[(String, String)],
     err: &mut dyn Write,
-) -> anyhow::Result<Option<Vec<Subject>>> {
+) -> anyhow::Result<Option<(Vec<Subject>, Option<String>)>> {
     let (errors, subjects) = subjects((&[], defines), text, &mut Vec::new())?;
     for error in &errors {
         err.write_all(report::diagnostics::text(error, Lang::En, false).as_bytes())?;
     }
-    Ok(errors.is_empty().then_some(subjects))
+    let first = errors.first().map(|error| format!("{}: {}", error.file.locate(error.span.start), error.message));
+    let runs = subjects.iter().any(|subject| subject.ready.is_ok());
+    Ok((first.is_none() || runs).then_some((subjects, first)))
 }
 
 /// Writes the page of a comparison, with its charts.

@@ -17,6 +17,7 @@ use super::compose::ComposeArgs;
 use super::hosts::Hosts;
 use super::includes::{self, IncludedText};
 use super::inputs::InputArgs;
+use super::spared;
 use crate::cli::shard::{ShardArgs, Terminal};
 use crate::cli::status::ExitStatus;
 use crate::cli::waiting::Waiting;
@@ -226,8 +227,17 @@ pub(super) fn subjects(
                     subjects.extend(others.into_iter().next().map(|error| without(source, open, &error.at_origin())));
                     errors = slips;
                 }
-                let errors = errors.into_iter().map(Diagnostic::at_origin).map(|d| source.explained(d)).collect();
-                return Ok((errors, subjects));
+                let told: Vec<Diagnostic> =
+                    errors.into_iter().map(Diagnostic::at_origin).map(|d| source.explained(d)).collect();
+                // Where some functions do not compile, the others run.
+                if let Some((text, broken)) = spared::module(source).filter(|_| subjects.is_empty()) {
+                    known.extend(text.points().into_iter().chain(text.functions()).map(|one| one.name));
+                    let wanted = |name: &str| wanted(name) && !source.is_assumed(name);
+                    let rest = fuzz::subjects_of_module(&text, &source.values(&text, define), &wanted);
+                    subjects = rest.map_err(unstated)?;
+                    subjects.extend(broken.subjects().filter(|one| wanted(&one.name)));
+                }
+                return Ok((told, subjects));
             }
             (Err(error), _) => return Err(error).with_context(|| source.name.clone()),
         };
@@ -255,7 +265,15 @@ pub(super) fn subjects(
         return Ok((Vec::new(), vec![without(source, &open, &first)]));
     }
     if !errors.is_empty() {
-        return Ok((told(&mut errors.into_iter()), Vec::new()));
+        // Where some functions do not compile, the others run.
+        let mut subjects = Vec::new();
+        if let Some((shader, broken)) = spared::shader(source, source.parsed(define), define) {
+            let wanted = |name: &str| wanted(name) && !source.is_assumed(name);
+            subjects = fuzz::subjects(&shader, &wanted).map_err(unstated)?;
+            subjects.extend(broken.subjects().filter(|one| wanted(&one.name)));
+            known.extend(subjects.iter().flat_map(|one| [one.label.clone(), one.name.clone()]));
+        }
+        return Ok((told(&mut errors.into_iter()), subjects));
     }
     // What is wrong whatever a host adds does not keep the rest from being run.
     let errors = told(&mut source.lacking(define).into_iter());

@@ -312,6 +312,11 @@ impl IncludedText {
         self.completed.is_assumed(function)
     }
 
+    /// True for an input that stands for a name which the text lacks.
+    pub fn makes_up(&self, input: &str) -> bool {
+        self.completed.makes_up(input)
+    }
+
     /// What was found in a function, as far as that may rest on what is assumed: see [`Completed::soften`].
     pub fn softened(&self, mut function: FunctionReport) -> FunctionReport {
         self.completed.soften(&mut function);

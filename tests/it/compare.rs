@@ -375,3 +375,55 @@ fn a_text_that_cannot_be_read_says_why_it_has_no_functions() {
     let said = format!("{}{}", ran.out, ran.err);
     assert!(said.contains("a.glsl:2:"), "{said}");
 }
+
+#[test]
+fn a_function_that_takes_nothing_is_compared_with_one_that_takes_something() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("a.glsl", "uniform float u;\nfloat f() { return u * 0.0 + 1.0; }\nfloat g() { return u; }\n");
+    write("b.wgsl", "fn f() -> f32 { return 1.0; }\nfn g() -> f32 { return 1.0; }\n");
+    let report =
+        run_in(folder.path(), "compare a.glsl b.wgsl --lane embedded --samples 5000 --format json").expect(1).json();
+    assert_eq!((&pair(&report, "f")["unlike"], &pair(&report, "f")["samples"]), (&0.into(), &5000.into()));
+    assert!(pair(&report, "g")["unlike"].as_u64().unwrap() > 1000);
+}
+
+#[test]
+fn functions_that_do_not_compile_are_left_out_with_those_that_call_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write(
+        "a.glsl",
+        "float a(float x) { return x * 2.0; }\nfloat b(float x) { return x; }\nfloat c(float x) { return b(x); }\n",
+    );
+    write(
+        "b.wgsl",
+        "fn a(x: f32) -> f32 { return x + x; }\nfn b(x: f32) -> f32 { x = 1.0; return x; }\nfn c(x: f32) -> f32 { return b(x); }\n",
+    );
+    let ran = run_in(folder.path(), "compare a.glsl b.wgsl --lane embedded --samples 256").expect(1);
+    assert!(ran.err.contains("b.wgsl:2:") && ran.out.contains("1 compared, 0 unlike, 2 not compared"), "{ran:?}");
+    let fuzzed = run_in(folder.path(), "fuzz b.wgsl --lane embedded --samples 64").expect(1);
+    assert!(fuzzed.out.contains("ok    a ") && fuzzed.out.contains("b  "), "{fuzzed:?}");
+    assert!(fuzzed.out.contains("it does not compile"), "{fuzzed:?}");
+}
+
+#[test]
+fn what_stands_for_a_missing_name_makes_no_difference() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write(
+        "a.glsl",
+        "float f(float x) { return x * gain; }\nfloat g(float x) { return x * 2.0; }\nuvec2 kept;\nfloat h() { return float(kept.x); }\n",
+    );
+    write(
+        "b.wgsl",
+        "const gain = 2.0;\nfn f(x: f32) -> f32 { return x * gain; }\nfn g(x: f32) -> f32 { return x * 3.0; }\n\
+         var<private> kept: vec2u;\nfn h() -> f32 { return f32(kept.x); }\n",
+    );
+    let report =
+        run_in(folder.path(), "compare a.glsl b.wgsl --lane embedded --samples 256 --format json").expect(1).json();
+    let why = |function: &str| pair(&report, function)["not_compared"].as_str().unwrap_or_default().to_owned();
+    assert!(why("f").contains("lacks `gain`"), "{report}");
+    assert!(why("h").contains("`kept` is an input of the first"), "{report}");
+    assert!(why("g").is_empty() && pair(&report, "g")["unlike"].as_u64().unwrap() > 0, "{report}");
+}

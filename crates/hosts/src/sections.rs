@@ -145,7 +145,10 @@ fn separated(file: &SourceFile) -> Vec<(Stage, Literal)> {
 fn conditional(file: &SourceFile) -> Vec<(Stage, Literal)> {
     let text = file.text();
     let says_no_stage = Stage::from_path(file.name()).is_none_or(|s| s == Stage::Library);
-    if !says_no_stage || marks::stage(text) != Err(marks::Mixed) {
+    // Two stages show what both have, or a `main` each.
+    let halves = text.find("main").map(|at| text.split_at(at + "main".len()));
+    let several = || halves.is_some_and(|(_, behind)| marks::has_main(behind));
+    if !says_no_stage || (marks::stage(text) != Err(marks::Mixed) && !several()) {
         return Vec::new();
     }
     let directives: Vec<&str> = text.lines().filter_map(|l| l.trim_start().strip_prefix('#')).map(str::trim).collect();

@@ -12,6 +12,7 @@ mod prelude;
 mod program;
 mod script;
 mod sections;
+mod surroundings;
 mod variants;
 mod webgpu;
 

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::twins::{Twin, Twins};
-use super::{CompareArgs, Given, command, made, version};
+use super::{CompareArgs, Given, Hosts, IncludedText, command, made, version};
 use crate::cli::fuzz::Inputs;
 use crate::cli::shard::{Printed, Printing, Terminal};
 use crate::cli::status::ExitStatus;
@@ -54,6 +54,7 @@ pub(super) fn run(
         inputs: Inputs::new(&stated),
         lanes: &lanes,
         profiles: profiles.iter().map(AsRef::as_ref).collect(),
+        hosts: Hosts::default(),
         seen: HashSet::new(),
     };
     args.sharing.run(&mut all, part, key, &mut Terminal::new(args.format, color, out, err))
@@ -79,6 +80,7 @@ struct All<'a> {
     inputs: Inputs<'a>,
     lanes: &'a [&'a dyn Lane],
     profiles: Vec<&'a Profile>,
+    hosts: Hosts,
     /// Places of the pairs that were compared.
     seen: HashSet<[String; 2]>,
 }
@@ -87,16 +89,23 @@ struct All<'a> {
 struct Unit {
     names: [String; 2],
     except: Vec<String>,
-    sides: Result<[Vec<Subject>; 2], String>,
+    sides: Result<[Functions; 2], String>,
+}
+
+/// The functions of a file, and its first error where some do not compile.
+struct Functions {
+    text: IncludedText,
+    subjects: Vec<Subject>,
+    error: Option<String>,
 }
 
 impl All<'_> {
     /// The functions of a file, or why it has none.
-    fn side(&self, path: &Path, defines: &[(String, String)]) -> anyhow::Result<Result<Vec<Subject>, String>> {
+    fn side(&mut self, path: &Path, defines: &[(String, String)]) -> anyhow::Result<Result<Functions, String>> {
         let args = self.args;
         let given = Given { defines, ..args.input.reading(Some(&args.compose), None) };
         let text = match version::text(&path.to_string_lossy(), &given, args.input.stage()) {
-            Ok(text) => text,
+            Ok(text) => text.assuming(defines, &mut self.hosts),
             Err(error) => return Ok(Err(format!("{error:#}"))),
         };
         let mut said = Vec::new();
@@ -104,7 +113,8 @@ impl All<'_> {
             Ok(subjects) => subjects,
             Err(error) => return Ok(Err(format!("{}: {error:#}", path.shown()))),
         };
-        Ok(subjects.ok_or_else(|| format!("{} does not compile: {}", path.shown(), first_line(&said))))
+        let broken = || format!("{} does not compile: {}", path.shown(), first_line(&said));
+        Ok(subjects.map(|(subjects, error)| Functions { text, subjects, error }).ok_or_else(broken))
     }
 }
 
@@ -125,9 +135,9 @@ impl Job for All<'_> {
             return Ok(None);
         };
         let names = twin.paths.each_ref().map(|path| path.shown().to_string());
-        let defines = &self.args.input.define;
+        let defines = self.args.input.define.clone();
         let second_defines = [&defines[..], &self.args.define_second[..]].concat();
-        let sides = match self.side(&twin.paths[0], defines)? {
+        let sides = match self.side(&twin.paths[0], &defines)? {
             Ok(first) => self.side(&twin.paths[1], &second_defines)?.map(|second| [first, second]),
             Err(why) => Err(why),
         };
@@ -138,7 +148,10 @@ impl Job for All<'_> {
         let Unit { names, except, sides } = unit;
         let mut report = TwinReport { except, ..TwinReport::of(names) };
         let pairing = match &sides {
-            Ok([first, second]) => compare::pairing([first, second], &[]),
+            Ok(sides) => {
+                report.errors = sides.iter().filter_map(|side| side.error.clone()).collect();
+                compare::pairing(sides.each_ref().map(|side| side.subjects.as_slice()), &[])
+            }
             Err(why) => Err(why.clone()),
         };
         let Pairing { pairs, unpaired } = match pairing {
@@ -165,7 +178,8 @@ impl Job for All<'_> {
             }
             let domain: Domain = self.inputs.domain(pair[0])?;
             let compared = compare::run(pair, &domain, self.lanes, &request).map_err(anyhow::Error::msg)?;
-            report.pairs.push(compared);
+            let texts = sides.as_ref().map(|sides| sides.each_ref().map(|side| &side.text));
+            report.pairs.push(texts.map_or(compared.clone(), |texts| super::open(compared, pair, texts)));
         }
         at.part.twins.push((number, report));
         Ok(())

@@ -71,13 +71,16 @@ impl Completed {
         self.declared.iter().any(Stand::is_constant)
     }
 
+    /// True for an input, or a part of one, that stands for a name which the text lacks.
+    pub fn makes_up(&self, input: &str) -> bool {
+        let name = input.split(['.', '[']).next().unwrap_or("");
+        self.declared.iter().any(|stand| stand.holds(name))
+    }
+
     /// Takes findings of a function that has assumed inputs for warnings: what a host gives them is not known. What a lane is
     /// blamed for stays.
     pub fn soften(&self, function: &mut FunctionReport) {
-        let is_assumed = |(input, _): &(String, Vec<Law>)| {
-            let name = input.rsplit(' ').next().unwrap_or(input).split(['.', '[']).next().unwrap_or("");
-            self.declared.iter().any(|stand| stand.holds(name))
-        };
+        let is_assumed = |(input, _): &(String, Vec<Law>)| self.makes_up(input.rsplit(' ').next().unwrap_or(input));
         // What a dispatch gets is told of no input: any name that stands there may have a say.
         let of_dispatch = function.dispatches > 0 && !self.declared.is_empty();
         if of_dispatch || function.inputs.iter().any(is_assumed) {

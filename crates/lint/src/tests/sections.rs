@@ -124,3 +124,12 @@ fn they_are_linked() {
     let found = reported(&apart);
     assert!(found.iter().any(|f| f.starts_with("I001")), "{found:?}");
 }
+
+#[test]
+fn two_functions_main_in_branches_are_two_stages() {
+    let text = "#version 330\n#if defined VERTEX_SHADER\nin vec3 p;\nout vec2 uv;\nvoid main() { uv = p.xy; gl_Position = vec4(p, 1.0); }\n\
+        #elif defined FRAGMENT_SHADER\nout vec4 tint;\nin vec2 uv;\nvoid main() { tint = vec4(uv, 0.0, 1.0); }\n#endif\n";
+    assert_eq!(reported(text), [""; 0]);
+    let found = reported(&text.replace("vec4(uv, 0.0, 1.0)", "vec3(uv, 0.0)"));
+    assert!(found.len() == 1 && found[0].contains("both.glsl:9:"), "{found:?}");
+}

@@ -36,6 +36,22 @@ pub fn text(summary: &Summary, color: bool) -> String {
     for (one, why) in unpaired {
         let _ = writeln!(text, "{weak}--    {off}  {:<20} no partner: {why}", one.function);
     }
+    // What a lane does not run is said once, whatever the number of functions.
+    let mut not_run: Vec<(&str, Vec<&str>)> = Vec::new();
+    for lane in summary.pairs.iter().flat_map(|pair| &pair.lanes) {
+        let Some(why) = lane.not_run.as_deref() else { continue };
+        match not_run.iter_mut().find(|(known, _)| *known == why) {
+            Some((_, lanes)) if lanes.contains(&lane.lane) => {}
+            Some((_, lanes)) => lanes.push(lane.lane),
+            None => not_run.push((why, vec![lane.lane])),
+        }
+    }
+    if !not_run.is_empty() {
+        text.push('\n');
+    }
+    for (why, lanes) in not_run {
+        let _ = writeln!(text, "not run on {}: {why}", lanes.join(", "));
+    }
     let compared = summary.pairs.iter().filter(|pair| pair.is_known()).count();
     let differ = summary.pairs.iter().filter(|pair| pair.unlike.0 > 0).count();
     let rest = summary.pairs.len() - compared;
@@ -115,7 +131,7 @@ fn details(text: &mut String, pair: &Compared) {
         let of = |r: &Resolution| format!("{} of {}, {} steps reversed", r.distinct, r.inputs, r.reversed);
         let _ = writeln!(text, "  distinct   outputs of neighbouring inputs: first {}; second {}", of(a), of(b));
     }
-    for lane in &pair.lanes {
+    for lane in pair.lanes.iter().filter(|lane| lane.not_run.is_none()) {
         on_lane(text, lane);
     }
     for bits in &pair.same_bits {
@@ -189,11 +205,10 @@ fn bounds(text: &mut String, accuracy: &Accuracy) {
 }
 
 fn on_lane(text: &mut String, lane: &OnLane) {
-    let says = match (&lane.not_run, &lane.farthest) {
-        (Some(why), _) => format!("not run: {why}"),
-        (None, None) if lane.samples == 0 => "no sample that means the same in both was run".to_owned(),
-        (None, None) => format!("{} samples, all with the same bits", lane.samples),
-        (None, Some((far, at))) => {
+    let says = match &lane.farthest {
+        None if lane.samples == 0 => "no sample that means the same in both was run".to_owned(),
+        None => format!("{} samples, all with the same bits", lane.samples),
+        Some((far, at)) => {
             let far = if far.is_finite() { format!("{far} ULP apart") } else { "a number and none".to_owned() };
             format!("{} of {} samples with the same bits; at most {far} at {}", lane.same, lane.samples, inputs(at))
         }

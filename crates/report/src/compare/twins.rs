@@ -14,6 +14,9 @@ pub struct TwinReport {
     pub texts: [String; 2],
     /// Why nothing of them is compared.
     pub not_compared: Option<String>,
+    /// The first error of each file of which some functions do not compile.
+    #[serde(default)]
+    pub errors: Vec<String>,
     /// The pairs of functions, in the order of the first.
     pub pairs: Vec<Compared>,
     /// Functions of each that have no partner.
@@ -53,6 +56,8 @@ pub struct Counts {
     pub files: usize,
     /// Pairs of files of which nothing is compared.
     pub files_not_compared: usize,
+    /// Pairs of files of which some functions do not compile.
+    pub files_with_errors: usize,
     /// Pairs of functions of which something is known.
     pub compared: usize,
     /// Those that mean the same on all samples of which something is known.
@@ -77,6 +82,7 @@ impl Twins {
         let mut counts = Counts { files: self.twins.len(), ..Counts::default() };
         for twin in &self.twins {
             counts.files_not_compared += usize::from(twin.not_compared.is_some());
+            counts.files_with_errors += usize::from(!twin.errors.is_empty());
             counts.without_partner += twin.unpaired.iter().map(Vec::len).sum::<usize>();
             for pair in &twin.pairs {
                 match Kind::of(twin, pair) {
@@ -99,7 +105,7 @@ impl Twins {
     /// True where something differs, or a file does not compile.
     pub fn fails(&self) -> bool {
         let counts = self.counts();
-        counts.unlike + counts.files_not_compared > 0
+        counts.unlike + counts.files_not_compared + counts.files_with_errors > 0
     }
 }
 
@@ -140,6 +146,9 @@ pub fn text(summary: &Twins, color: bool) -> String {
         let mut own = String::new();
         if let Some(why) = &twin.not_compared {
             let _ = writeln!(own, "{weak}--    {off}  not compared: {}", why.replace('\n', "; "));
+        }
+        for error in &twin.errors {
+            let _ = writeln!(own, "{weak}--    {off}  functions that do not compile are left out: {error}");
         }
         for pair in &twin.pairs {
             let name = super::text::name(pair);
@@ -192,7 +201,7 @@ pub fn text(summary: &Twins, color: bool) -> String {
         text,
         "{} with twins{}; {} compared: {} equal{}, {} unlike{}{}; {} not compared, {} without a partner",
         files(counts.files),
-        also(counts.files_not_compared, "of them not compared"),
+        also(counts.files_not_compared, "of them not compared") + &also(counts.files_with_errors, "of them in part"),
         functions(counts.compared),
         counts.equal,
         if counts.weak == 0 { String::new() } else { format!(" ({} weak)", counts.weak) },
@@ -240,6 +249,7 @@ struct Twin<'a> {
     first: &'a str,
     second: &'a str,
     not_compared: Option<&'a str>,
+    errors: &'a [String],
     pairs: Vec<TwinPair<'a>>,
     unpaired: Vec<Alone<'a>>,
 }
@@ -261,6 +271,7 @@ pub fn json(summary: &Twins) -> String {
         first: &own.texts[0],
         second: &own.texts[1],
         not_compared: own.not_compared.as_deref(),
+        errors: &own.errors,
         pairs: own
             .pairs
             .iter()

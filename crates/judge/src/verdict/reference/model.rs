@@ -42,7 +42,10 @@ impl Model {
     /// Invocations of a batch as a batch of the model, each with a case of its own.
     pub fn batch(&self, batch: &Batch, invocations: &[usize]) -> Batch {
         let [invocation, case] = &self.records;
-        let mut own = Batch::with_capacity(invocation.clone(), case.clone(), 1, invocations.len());
+        // What takes nothing has as many invocations as there are, in one case.
+        let nothing = invocation.words() + case.words() == 0;
+        let (per_case, cases) = if nothing { (invocations.len(), 1) } else { (1, invocations.len()) };
+        let mut own = Batch::with_capacity(invocation.clone(), case.clone(), per_case, cases);
         own.invocations.resize(invocation.words() * invocations.len(), 0);
         own.cases.resize(case.words() * invocations.len(), 0);
         for (k, &from) in invocations.iter().enumerate() {

@@ -1,0 +1,73 @@
+//! What hosts put in the place of comments, branches and holes, and what they define for a text.
+
+use super::open::{by_default, found, only_on_request};
+
+/// Nothing at any level.
+fn silent(files: &[(&str, &str)]) {
+    let (default, strict) = found(files);
+    assert!(default.is_empty() && strict.is_empty(), "{files:?}: {default:?}, {strict:?}");
+}
+
+#[test]
+fn a_comment_that_is_a_path_is_filled_in() {
+    let text = |mark: &str| {
+        format!(
+            "#define most {mark}\n#if most > 0\nvec2 k[most];\n#endif\nvoid main() {{\n  for (int i = 0; i < most; ++i) {{ }}\n}}\n"
+        )
+    };
+    assert!(found(&[("a.vert", &text("//Host::Most"))]).0.is_empty());
+    assert!(found(&[("a.vert", &text("// Host::Counts::Most"))]).0.is_empty());
+    by_default(&[("a.vert", &text("// see Host::Most"))], "E012");
+}
+
+#[test]
+fn an_error_of_a_variant_rests_on_what_stands_in_front_as_any_other() {
+    let text = "uniform sampler2DShadow map;\nvarying vec3 v;\nvoid main() {\n  float lit = 1.0;\n#ifdef FILTERED\n  \
+        lit = shadow2D(map, v);\n#endif\n  gl_FragColor = vec4(lit);\n}\n";
+    assert!(found(&[("a.frag", text)]).0.is_empty());
+    by_default(&[("a.frag", &format!("#version 120\n{text}"))], "T003");
+}
+
+#[test]
+fn branches_of_a_material_system_exclude_each_other() {
+    let text = |property: &str| {
+        format!(
+            "#version 330\n{property}\nlayout(location = 0) out vec4 tint;\n@end\nlayout(location = 0) out float tint;\n\
+             void main() {{ tint.xyz = vec3(1.0); }}\n"
+        )
+    };
+    assert!(found(&[("a.frag", &text("@property( !caster )"))]).0.is_empty());
+}
+
+#[test]
+fn host_code_may_declare_names_of_its_own_for_those_of_the_language() {
+    let text = "#version 330\nout vec4 t;\nvoid main() { t = gl_Color; gl_Position = gl_ModelViewProjectionMatrix * gl_Vertex; }\n";
+    let host = |line: &str| {
+        format!(
+            "void f(osg::State* state) {{ {line} }}\nconst char* shader = \"a.vert\"; void g() {{ glUseProgram(1); }}\n"
+        )
+    };
+    only_on_request(&[("a.vert", text), ("a.cpp", &host("state->setUseVertexAttributeAliasing(true);"))], "E020");
+    by_default(&[("a.vert", text), ("a.cpp", &host("state->apply();"))], "E020");
+}
+
+#[test]
+fn what_is_filled_in_has_a_name_for_each_variable() {
+    let text = |second: &str| {
+        format!(
+            "const vs = `\nattribute float ${{A.INDEX}};\nuniform sampler2D ${{U.MAP}};\nvarying vec2 v;\nvoid main() {{\n  \
+             vec4 c = texture2D(${{U.MAP}}, vec2(${{A.INDEX}} / 2.0, ${{A.INDEX}}));\n  v = vec2(c.r + c.b, {second});\n  \
+             gl_Position = vec4(v, 0.0, 1.0);\n}}\n`;\n"
+        )
+    };
+    assert!(found(&[("a.js", &text("c.g + c.a"))]).0.is_empty());
+    by_default(&[("a.js", &text("c.g, c.a"))], "T001");
+}
+
+#[test]
+fn what_a_document_leaves_out_may_be_the_return() {
+    let text = |body: &str| {
+        format!("A function:\n\n```glsl\n#version 300 es\nvec2 at(vec2 size, float id) {{\n{body}\n}}\n```\n")
+    };
+    silent(&[("a.md", &text("  ..."))]);
+}
