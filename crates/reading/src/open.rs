@@ -205,6 +205,10 @@ pub fn rests(error: &Diagnostic) -> Around {
     if error.code == errors::MISSING_MAIN && !error.span.is_empty() {
         rests.remove(Around::NAMES);
     }
+    // What stands in front may define the outputs of old versions as variables.
+    if error.code == errors::REDECLARATION && ["gl_FragColor", "gl_FragData"].contains(&word) {
+        rests |= Around::NAMES;
+    }
     // Another text may have further overloads.
     if error.code == errors::NO_OVERLOAD && BuiltinFunction::from_name(word).is_none() {
         rests |= Around::NAMES;

@@ -102,7 +102,8 @@ pub fn hands_on(file: &SourceFile, given: Given) -> bool {
             let mut names = imported(text).peekable();
             // Where a file imports nothing, what takes its texts may be a library that it does not name.
             let known = gives || given == Given::InSight || (given_elsewhere && names.peek().is_some());
-            known && names.all(is_of_the_project)
+            // three.js puts much in front, also where its file is one of the project.
+            known && !text.contains("THREE.") && names.all(is_of_the_project)
         }
         Some(Language::Java | Language::Kotlin) => gives || (given_elsewhere && imports_its_own(text)),
         _ => gives,

@@ -71,3 +71,54 @@ fn what_a_document_leaves_out_may_be_the_return() {
     };
     silent(&[("a.md", &text("  ..."))]);
 }
+
+#[test]
+fn a_comment_that_names_a_macro_is_no_switch_where_conditions_compute_with_it() {
+    let text = |condition: &str| {
+        format!(
+            "#version 330\n// #define BITS\nout vec4 c;\nvoid main() {{\n#{condition}\n  c = vec4(1.0);\n#else\n  c = vec3(0.0);\n#endif\n}}\n"
+        )
+    };
+    assert!(!found(&[("a.frag", &text("if BITS == 8"))]).0.iter().any(|code| code == "E012"));
+    let switched = text("ifndef BITS").replace("vec3(0.0)", "vec2(0.0)");
+    by_default(&[("a.frag", &switched)], "T003");
+}
+
+#[test]
+fn three_puts_chunks_in_front_also_where_its_file_stands_in_the_project() {
+    let page = |material: &str| {
+        format!(
+            "<script src=\"build/three.js\"></script>\n<script id=\"vs\" type=\"x-shader/x-vertex\">\n#include <common>\n\
+             varying vec3 n;\nvoid main() {{\n  n = position;\n  gl_Position = projectionMatrix * vec4(position, 1.0);\n}}\n</script>\n\
+             <script>\nvar m = new {material}({{ vertexShader: document.getElementById('vs').textContent }});\n</script>\n"
+        )
+    };
+    let library = ("build/three.js", "function make(gl, shader, string) { gl.shaderSource( shader, string ); }\n");
+    assert!(found(&[("a.html", &page("THREE.ShaderMaterial")), library]).0.is_empty());
+}
+
+#[test]
+fn gl_frag_color_may_be_defined_in_front_as_an_output() {
+    let text = "varying vec2 v;\nlayout(location = 1) out vec4 n;\nvoid main() { gl_FragColor = vec4(v, 0.0, 1.0); n = vec4(1.0); }\n";
+    assert!(!found(&[("a.frag", text)]).0.iter().any(|code| code == "E049"));
+    by_default(&[("a.frag", &format!("#version 330 compatibility\n{}", text.replace("varying", "in")))], "E049");
+}
+
+#[test]
+fn a_text_without_main_is_no_stage_before_the_vertex_stage() {
+    let vertex = "#version 110\nattribute vec2 position;\nvarying vec2 at;\nvoid main() { at = position; gl_Position = vec4(position, 0.0, 1.0); }\n";
+    let fragment = "#version 110\nvarying vec2 at;\nvec3 tint(vec3 v);\nvoid main() { gl_FragColor = vec4(tint(vec3(at, 1.0)), 1.0); }\n";
+    let host = "class A { void p() {\n  int program = glCreateProgram();\n  int v = createShader(\"edge-vs.glsl\", GL_VERTEX_SHADER);\n  \
+        int f = createShader(\"edge-fs.glsl\", GL_FRAGMENT_SHADER);\n  int g = createShader(\"color.glsl\", GL_FRAGMENT_SHADER);\n  \
+        glAttachShader(program, v);\n  glAttachShader(program, f);\n  glAttachShader(program, g);\n  \
+        glBindAttribLocation(program, 0, \"position\");\n  glLinkProgram(program);\n} }\n";
+    let files = |vertex: &'static str| {
+        [
+            ("A.java", host),
+            ("edge-vs.glsl", vertex),
+            ("edge-fs.glsl", fragment),
+            ("color.glsl", "#version 110\nvec3 tint(vec3 c) { return c * 0.5; }\n"),
+        ]
+    };
+    assert_eq!(found(&files(vertex)).0, [""; 0]);
+}

@@ -82,6 +82,9 @@ pub(super) fn of(shader: &Shader, conditions: &Conditions, stated: &[Variant]) -
         let own = (!line.in_comment).then_some(line.value);
         let others: Vec<Option<String>> = if let Some(values) = values {
             values.iter().filter(|value| value.as_deref() != own).cloned().collect()
+        } else if line.in_comment && line.value.is_empty() && asked.get(line.name).is_some_and(|asked| asked.valued) {
+            // The comment names what a host defines with a value.
+            Vec::new()
         } else if line.in_comment {
             vec![Some(line.value.to_owned())]
         } else if !line.list.is_empty() {
@@ -218,17 +221,24 @@ struct Asked {
     numbers: BTreeSet<i64>,
     /// The files of these conditions.
     files: BTreeSet<String>,
+    /// A condition computes with it.
+    valued: bool,
 }
 
 /// What the conditions of a text ask, by name.
 fn asked(shader: &Shader) -> HashMap<&str, Asked> {
     let mut found: HashMap<&str, Asked> = HashMap::new();
-    for (at, _, condition) in conditions_of(shader) {
+    for (at, directive, condition) in conditions_of(shader) {
         let numbers: Vec<i64> = words(condition).filter_map(|word| word.parse().ok()).collect();
         let file = shader.file().origin(Span::at(at)).0;
         for word in words(condition) {
             let asked = found.entry(word).or_default();
             asked.numbers.extend(&numbers);
+            let plain = condition.replace(' ', "");
+            let defined = [format!("defined({word})"), format!("defined{word}")];
+            let in_defined: usize = defined.iter().map(|defined| plain.matches(defined.as_str()).count()).sum();
+            let only_defined = plain.matches(word).count() == in_defined;
+            asked.valued |= matches!(directive, "if" | "elif") && !only_defined;
             if !asked.files.contains(file.name()) {
                 asked.files.insert(file.name().to_owned());
             }

@@ -122,8 +122,11 @@ impl<'p> Program<'p> {
     /// Neighbours in the pipeline: the stage that writes and the one that reads. Empty when the
     /// interface of a stage is not known.
     pub fn links(&self) -> impl Iterator<Item = (&'p ShaderFile, &'p ShaderFile)> + '_ {
-        let shaders = if self.complete { self.shaders.as_slice() } else { &[] };
-        shaders.windows(2).map(|w| (w[0], w[1])).filter(|(_, to)| to.shader.stage() != Stage::Compute)
+        // A text without `main` is a part of its stage, and no stage before it.
+        let stages = self.shaders.iter().copied().filter(|s| self.complete && s.shader.stage() != Stage::Library);
+        let stages: Vec<&'p ShaderFile> = stages.collect();
+        let links: Vec<_> = stages.windows(2).map(|w| (w[0], w[1])).collect();
+        links.into_iter().filter(|(_, to)| to.shader.stage() != Stage::Compute)
     }
 
     /// The files, for messages.

@@ -413,8 +413,8 @@ impl Checker<'_> {
             }
         }
         let mut builtin = written.iter().filter(|w| !w.0.is_empty());
-        let Some((first, _)) = builtin.next() else { return };
-        let Some((other, span)) = written.iter().find(|w| w.0 != *first) else { return };
+        let Some((first, span)) = builtin.next() else { return };
+        let Some((other, _)) = written.iter().find(|w| w.0 != *first) else { return };
         let other_en = if other.is_empty() { "an output of the shader" } else { other };
         let other_ja = if other.is_empty() { "シェーダの出力変数" } else { other };
         let message = Message::new(
