@@ -36,9 +36,22 @@ pub fn texts(file: &SourceFile, language: Language, tokens: &[Token<'_>]) -> Vec
         }
         let chain = list(tokens, at, file).unwrap_or_else(|| sum(tokens, at, language));
         at = chain.end.max(at + 1);
-        found.extend(text(file, tokens, &chain, language));
+        if !(language == Language::Python && is_docstring(file, tokens, &chain)) {
+            found.extend(text(file, tokens, &chain, language));
+        }
     }
     found
+}
+
+/// True for a string that is a statement of its own: prose, with examples in it.
+fn is_docstring(file: &SourceFile, tokens: &[Token<'_>], chain: &Chain) -> bool {
+    let Some(Token::String { place, .. }) = tokens.get(chain.start) else { return false };
+    let text = file.text();
+    let first = text[..place.start].rsplit('\n').next().is_some_and(|before| before.trim().is_empty());
+    let last = text[place.end..].split('\n').next().is_some_and(|behind| behind.trim().is_empty());
+    let before = chain.start.checked_sub(1).and_then(|at| tokens.get(at));
+    let of_head = matches!(before, None | Some(Token::Mark(':')));
+    first && last && of_head && text[place.start..].starts_with("\"\"\"")
 }
 
 /// The strings at these places that are texts by themselves, with nothing filled in.

@@ -122,3 +122,12 @@ fn a_text_without_main_is_no_stage_before_the_vertex_stage() {
     };
     assert_eq!(found(&files(vertex)).0, [""; 0]);
 }
+
+#[test]
+fn the_prose_of_a_function_in_python_is_no_shader() {
+    let text = "\"\"\"Loads a shader.\n\n    .. code:: glsl\n\n        #version 330\n        out vec4 c;\n        \
+        void main() { c = vec3(1.0); }\n    \"\"\"\n";
+    assert!(found(&[("a.py", &format!("def load(self):\n    {text}    return 1\n"))]).0.is_empty());
+    let given = "\"\"\"#version 330\nout vec4 c;\nvoid main() { c = vec3(1.0); }\n\"\"\"\n";
+    by_default(&[("a.py", &format!("program = ctx.program(\n    fragment_shader=\n    {given})\n"))], "T003");
+}
