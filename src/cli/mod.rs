@@ -53,6 +53,7 @@ mod process;
 pub mod refdata;
 #[cfg(feature = "run")]
 pub mod shard;
+#[cfg(feature = "run")]
 mod spared;
 pub mod status;
 #[cfg(feature = "run")]

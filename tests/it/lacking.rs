@@ -236,3 +236,23 @@ fn inputs_keep_the_names_that_their_author_gave_them() {
         assert!(ran.out.contains(name), "{name}: {ran:?}");
     }
 }
+
+#[test]
+fn functions_of_wgsl_get_textures_and_samplers_that_only_a_caller_has() {
+    let text = "@group(0) @binding(0) var tex: texture_2d<f32>;\n@group(0) @binding(1) var smp: sampler;\n\
+        fn fetch(t: texture_2d<f32>, p: vec2i) -> f32 { return textureLoad(t, p, 0).r; }\n\
+        fn sampled(t: texture_2d<f32>, s: sampler, uv: vec2f) -> vec4f { return textureSample(t, s, uv) * 2.0; }\n\
+        fn both(t: texture_2d<f32>, s: sampler, uv: vec2f) -> vec4f { return sampled(t, s, uv); }\n\
+        fn wrong(t: texture_2d<f32>, s: sampler, uv: vec2f) -> f32 { return log(textureSampleLevel(t, s, uv, 0.0).r - 2.0); }\n\
+        @fragment fn main(@location(0) uv: vec2f) -> @location(0) vec4f { return both(tex, smp, uv); }\n";
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.wgsl"), text).unwrap();
+    for lane in ["embedded", "vulkan"] {
+        let ran = crate::binary::run_in(folder.path(), &format!("fuzz a.wgsl --samples 256 --lane {lane}")).expect(1);
+        for function in ["fetch", "sampled", "both", "main"] {
+            let line = ran.out.lines().find(|line| line.contains(&format!("  {function} "))).unwrap();
+            assert!(line.starts_with("ok") && line.contains("agreed"), "{lane}: {line}\n{}", ran.out);
+        }
+        assert!(ran.out.contains("log(-1.") && ran.out.contains("textures of wrong: t: 2D"), "{}", ran.out);
+    }
+}

@@ -27,6 +27,7 @@ mod shrinking;
 mod slice;
 mod stage;
 mod subject;
+mod textured;
 mod words;
 mod wrapper;
 

@@ -1,9 +1,10 @@
 //! The entry points and functions of a text that is read as a module, each made ready to run or told why it cannot be.
 
-use super::called::{RETURN, with_caller};
+use super::called::{MadeCaller, RETURN, with_caller};
 use super::domain::{Law, Stated};
 use super::realistic::Realistic;
 use super::subject::{BadHint, Hints, Made, Ready, Subject, global, made, numbers, reason};
+use super::textured::with_textures;
 use super::wrapper::MOST_WORDS;
 use crate::dispatch::Dispatched;
 use crate::guess::{self, Role, Usages, Uses};
@@ -37,6 +38,9 @@ fn called(text: &ModuleText, values: &[(String, String)], one: Runnable, alone: 
     if alone.ready.is_ok() || one.stage != Stage::Library {
         return alone;
     }
+    if let Some(bound) = with_textures(text, &one.name) {
+        return textured(&bound, values, &one, alone);
+    }
     let Some(caller) = with_caller(text, &one.name) else { return alone };
     let Some(point) = caller.text.points().into_iter().find(|point| point.name == caller.kernel) else { return alone };
     let Ok(known) = Known::of(caller.text.tree()) else { return alone };
@@ -51,6 +55,20 @@ fn called(text: &ModuleText, values: &[(String, String)], one: Runnable, alone: 
         return alone;
     }
     Subject { label: alone.label, name: alone.name, at: alone.at, made_up: true, ..as_kernel }
+}
+
+/// A function that takes textures, as one that has them bound.
+fn textured(bound: &MadeCaller, values: &[(String, String)], one: &Runnable, alone: Subject) -> Subject {
+    let Some(function) = bound.text.functions().into_iter().find(|own| own.name == bound.kernel) else { return alone };
+    let Ok(known) = Known::of(bound.text.tree()) else { return alone };
+    match ready(&bound.text, values, &function, &|name| bound.own_name(name).to_owned()) {
+        Ok(made) => {
+            let ready = readied(made, &one.name, &known);
+            let stated = stated(&ready, &one.name, &known);
+            Subject { ready: Ok(ready), stated, ..alone }
+        }
+        Err(why) => Subject { ready: Err(why), ..alone },
+    }
 }
 
 /// What a text says of inputs: how they are used, and which domains comments state.
@@ -159,6 +177,9 @@ fn ready(
     let fed = program.inputs.iter_mut().chain(&mut program.uniforms);
     for port in fed.chain(&mut program.outputs) {
         port.field.name = named(&port.field.name);
+    }
+    for texture in &mut program.textures {
+        texture.name = named(&texture.name);
     }
     // What a function gives back is none of its inputs.
     program.inputs.retain(|port| port.field.name.split(['.', '[']).next() != Some(RETURN));

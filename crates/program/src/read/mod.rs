@@ -22,6 +22,7 @@ mod ports;
 mod program;
 mod ranges;
 mod rows;
+mod sampled;
 mod spirv;
 mod stops;
 mod switches;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use naga::{AddressSpace, Binding, BuiltIn, GlobalVariable, Handle, Module, ResourceBinding, Type, TypeInner};
 
 use super::ModuleText;
+use super::sampled;
 use super::wgsl::span_in;
 use crate::capture::{binding, shape_of};
 use crate::front::UNSUPPORTED;
@@ -214,7 +215,7 @@ impl Ports<'_> {
         let is_sampler = |handle: &&Handle<GlobalVariable>| {
             matches!(module.types[module.global_variables[**handle].ty].inner, TypeInner::Sampler { .. })
         };
-        let pairs = pairs(module);
+        let pairs = sampled::pairs(module);
         for &sampler in all.iter().filter(is_sampler) {
             let mut images = pairs.iter().filter(|(_, by)| *by == Some(sampler)).map(|(image, _)| *image);
             let free = images
@@ -229,27 +230,6 @@ impl Ports<'_> {
             }
         }
     }
-}
-
-/// Images with what samples them, in all functions.
-fn pairs(module: &Module) -> Vec<(Handle<GlobalVariable>, Option<Handle<GlobalVariable>>)> {
-    use naga::Expression as E;
-    let functions = module.functions.iter().map(|(_, function)| function);
-    let mut all = Vec::new();
-    for function in functions.chain(module.entry_points.iter().map(|point| &point.function)) {
-        let global = |expression| match function.expressions[expression] {
-            E::GlobalVariable(handle) => Some(handle),
-            _ => None,
-        };
-        for (_, expression) in function.expressions.iter() {
-            if let E::ImageSample { image, sampler, .. } = expression
-                && let Some(image) = global(*image)
-            {
-                all.push((image, global(*sampler)));
-            }
-        }
-    }
-    all
 }
 
 /// A built-in value that is an input of its stage, other than a number of the draw.
