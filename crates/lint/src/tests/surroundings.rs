@@ -131,3 +131,15 @@ fn the_prose_of_a_function_in_python_is_no_shader() {
     let given = "\"\"\"#version 330\nout vec4 c;\nvoid main() { c = vec3(1.0); }\n\"\"\"\n";
     by_default(&[("a.py", &format!("program = ctx.program(\n    fragment_shader=\n    {given})\n"))], "T003");
 }
+
+#[test]
+fn a_macro_of_the_host_may_be_several_arguments() {
+    let text = |argument: &str| {
+        format!(
+            "#version 330\n#pragma {{{{DEFINES}}}}\nconst float all[4] = float[4]({argument});\nout vec4 c;\n\
+             void main() {{ c = vec4(all[int(gl_FragCoord.x) & 3]); }}\n"
+        )
+    };
+    assert!(found(&[("a.frag", &text("AO_FACTORS"))]).0.is_empty());
+    by_default(&[("a.frag", &text("1.0").replace("#pragma {{DEFINES}}\n", ""))], "E040");
+}

@@ -1,6 +1,6 @@
 //! Calls: constructors, functions of the shader, built-in functions.
 
-use super::super::ast::{Callee, ExprId, Ident, ItemKind};
+use super::super::ast::{Callee, ExprId, ExprKind, Ident, ItemKind};
 use super::super::builtin::{self, BuiltinFunction, Signature};
 use super::super::constructor::{Constructor, Fit};
 use super::super::fold::{self, Const};
@@ -125,7 +125,7 @@ impl Checker<'_> {
                     let wanted = vec![element.as_ref().clone(); n];
                     self.elements(&ty, span, &wanted, args, &types, "elements")
                 } else {
-                    self.count(&ty, span, n, args.len(), "elements");
+                    self.count(&ty, span, n, (args, &types), "elements");
                     false
                 }
             }
@@ -216,7 +216,13 @@ impl Checker<'_> {
         true
     }
 
-    fn count(&mut self, ty: &Type, span: Span, wanted: usize, given: usize, what: &str) {
+    fn count(&mut self, ty: &Type, span: Span, wanted: usize, (args, types): (&[ExprId], &[Type]), what: &str) {
+        // A name in capitals that nothing declares may be a macro with several.
+        let is_macro = |arg: &ExprId| matches!(&self.arena.get(*arg).kind, ExprKind::Name(n) if crate::is_macro(n));
+        if args.iter().zip(types).any(|(arg, ty)| *ty == Type::Error && is_macro(arg)) {
+            return;
+        }
+        let given = args.len();
         let message = format!("`{ty}` has {wanted} {what}, but {given} are given");
         self.sink.error(errors::CONSTRUCTOR, span, message, "this constructor");
     }
@@ -232,7 +238,7 @@ impl Checker<'_> {
         what: &str,
     ) -> bool {
         if wanted.len() != args.len() {
-            self.count(ty, span, wanted.len(), args.len(), what);
+            self.count(ty, span, wanted.len(), (args, types), what);
             return false;
         }
         for ((wanted, arg), given) in wanted.iter().zip(args).zip(types) {

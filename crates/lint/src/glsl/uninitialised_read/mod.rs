@@ -4,6 +4,7 @@ use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::flow::{Certainty, Unassigned};
 use base::diagnostic::{Code, Diagnostic, Severity, message};
 use reading::ShaderFile;
+use syntax::symbols::SymbolKind;
 
 use super::variable::{part, with_zero};
 
@@ -22,13 +23,21 @@ pub const RULE: Rule = Rule {
 
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     for read in &file.flow().unassigned {
-        if read.certainty != Certainty::Perhaps && !read.accumulates {
+        if read.certainty != Certainty::Perhaps && !read.accumulates && !is_of_an_extension(file, read) {
             let found = diagnostic(file, read, findings);
             findings.push(found);
         }
     }
     element::check(file, findings);
     counter::check(file, findings);
+}
+
+/// True for a variable with a qualifier of an extension, which other stages may fill: `hitAttributeEXT vec2 hit;`
+fn is_of_an_extension(file: &ShaderFile, read: &Unassigned) -> bool {
+    let symbol = file.shader.symbol(read.symbol);
+    let global = matches!(symbol.kind, SymbolKind::Global(_));
+    let line = symbol.span.filter(|_| global).map_or_else(String::new, |span| file.file.line_at(span.start));
+    line.split(|c: char| !c.is_ascii_alphanumeric()).any(|word| word.ends_with("EXT") || word.ends_with("NV"))
 }
 
 /// The diagnostic for a read without a value.
@@ -73,6 +82,18 @@ mod tests {
             "#version 150 core\nin vec4 q;\nuniform int n;\nuniform bool b;\nout vec4 c;\nvoid set(out float x, inout vec3 y) {{ x = q.x; y += 1.0; }}\nfloat last(float z) {{ return z; }}\nvoid main(void)\n{{\n  c = q;\n  {body}\n  gl_Position = q;\n}}\n"
         );
         messages("D001", "a.vert", &text)
+    }
+
+    #[test]
+    fn what_another_stage_fills_has_a_value() {
+        let text = |qualifier: &str| {
+            format!(
+                "#version 460\n#extension GL_EXT_ray_tracing : enable\n{qualifier} vec3 hit;\nout vec4 c;\n\
+                 void main() {{ c = vec4(hit, 1.0); gl_Position = c; }}\n"
+            )
+        };
+        assert_eq!(messages("D001", "a.vert", &text("hitAttributeEXT")), [""; 0]);
+        assert_eq!(messages("D001", "a.vert", &text("")).len(), 1);
     }
 
     #[test]
