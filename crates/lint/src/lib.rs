@@ -23,7 +23,7 @@ pub use registry::{RULES, by_code, nearest, with_name};
 pub use rule::Rule;
 pub use select::{PerFile, SelectError, Selection};
 
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use base::diagnostic::{Code, Diagnostic, Fix, Severity};
@@ -184,7 +184,8 @@ fn leave_doubtful_to_strict(project: &Project, told: &mut [(Level, Diagnostic)])
     let mut fronts: Option<Fronts> = None;
     let supplied = open::supplied(project);
     let marks = open::repeated_marks(project);
-    let rewritten: HashSet<&str> = project.shaders().filter(|s| marks.are_in(s)).map(|s| s.file.name()).collect();
+    let mut rewritten = open::with_replaced_comments(project);
+    rewritten.extend(project.shaders().filter(|s| marks.are_in(s)).map(|s| s.file.name()));
     for (level, error) in told.iter_mut().filter(|(level, _)| *level == Level::Default) {
         let stands = |s: &&&ShaderFile| s.front_end.iter().any(|d| d.code == error.code && d.span == error.span);
         let Some(all) = shaders.get(error.file.name()) else { continue };

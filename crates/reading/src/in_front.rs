@@ -77,7 +77,8 @@ impl Fronts {
         let host = shader.origin.as_ref().map(|origin| origin.host.name());
         let page = host.and_then(|name| self.pages.get(document_of(name)));
         let all = || [Some(&self.words), page].into_iter().flatten();
-        if self.renames && word.starts_with("gl_") && (open::is_about_a_name(error) || error.code == errors::RESERVED) {
+        // What it is called instead has a type of its own.
+        if self.renames && word.starts_with("gl_") {
             return true;
         }
         if open::is_about_a_name(error) {

@@ -458,6 +458,32 @@ impl Marks<'_> {
     }
 }
 
+/// The texts with a comment that host code has in quotes, in whole or as a beginning: `"// PLACEHOLDER: "`. It stands for what
+/// the host puts there.
+pub fn with_replaced_comments(project: &Project) -> HashSet<&str> {
+    let marks: Vec<&str> = project.hosts().flat_map(|host| quoted_comments(host.file.text())).collect();
+    if marks.is_empty() {
+        return HashSet::new();
+    }
+    let has = |shader: &&ShaderFile| {
+        let text = shader.shader.file();
+        let comments = shader.shader.comments().iter().map(|comment| text.slice(comment.span));
+        comments.into_iter().any(|comment| marks.iter().any(|mark| comment.starts_with(mark)))
+    };
+    project.shaders().filter(has).map(|shader| shader.file.name()).collect()
+}
+
+/// Comments in quotes that have a word in capitals.
+fn quoted_comments(text: &str) -> impl Iterator<Item = &str> {
+    let quoted = |(at, _): (usize, &str)| {
+        let quote = text[..at].chars().next_back().filter(|c| ['"', '\'', '`'].contains(c))?;
+        let inside = text[at..].split([quote, '\n', '\\']).next()?;
+        let capitals = |word: &str| word.len() > 3 && is_macro(word);
+        inside.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').any(capitals).then_some(inside)
+    };
+    text.match_indices("//").filter_map(quoted)
+}
+
 /// Errors of the grammar with the mark that each stands at; what is filled in is known.
 fn marked(shader: &ShaderFile) -> impl Iterator<Item = (&Diagnostic, &str)> {
     let holes = shader.shader.holes();

@@ -143,3 +143,14 @@ fn a_macro_of_the_host_may_be_several_arguments() {
     assert!(found(&[("a.frag", &text("AO_FACTORS"))]).0.is_empty());
     by_default(&[("a.frag", &text("1.0").replace("#pragma {{DEFINES}}\n", ""))], "E040");
 }
+
+#[test]
+fn a_comment_that_a_host_has_in_quotes_is_filled_in() {
+    let text = "#version 330\nout vec4 c;\nvoid main() {\n  // PLACEHOLDER: colour\n  c = vec4(r, g, b, 1.0);\n}\n";
+    let host =
+        |mark: &str| format!("std::string find(std::string name) {{ return {mark} + name; }} // glUseProgram(1)\n");
+    let files = |host: &str| found(&[("a.frag", text), ("a.cpp", host)]).0;
+    assert_eq!(files(&host("\"// PLACEHOLDER: \"")), [""; 0]);
+    assert_eq!(files(&host("\"// placeholder \"")), ["E020", "E020", "E020"]);
+    assert_eq!(files(&host("\"// OTHER: \"")), ["E020", "E020", "E020"]);
+}
