@@ -188,22 +188,14 @@ fn leave_doubtful_to_strict(project: &Project, told: &mut [(Level, Diagnostic)])
     rewritten.extend(project.shaders().filter(|s| marks.are_in(s)).map(|s| s.file.name()));
     for (level, error) in told.iter_mut().filter(|(level, _)| *level == Level::Default) {
         let stands = |s: &&&ShaderFile| s.front_end.iter().any(|d| d.code == error.code && d.span == error.span);
-        let Some(all) = shaders.get(error.file.name()) else { continue };
-        let mut in_front = |shader: &ShaderFile| {
-            Fronts::concern(error) && fronts.get_or_insert_with(|| Fronts::of(project)).may_take_away(shader, error)
-        };
-        let Some(shader) = all.iter().find(stands) else {
-            // What holds only where a macro is defined was found in another reading of the text.
-            if all.iter().any(|shader| shader.conditional && in_front(shader)) {
-                *level = Level::Strict;
-            }
-            continue;
-        };
+        let Some(shader) = shaders.get(error.file.name()).and_then(|all| all.iter().find(stands)) else { continue };
         let about_a_name = open::is_about_a_name(error);
         let may_be_supplied = || supplied.may_be(error);
         let doubtful = || shader.is_doubtful(error) || rewritten.contains(error.file.name());
         let of_host = || open::is_of_host(project, &shader.shader, error);
-        if doubtful() || (about_a_name && (may_be_supplied() || of_host())) || in_front(shader) {
+        let mut in_front =
+            || Fronts::concern(error) && fronts.get_or_insert_with(|| Fronts::of(project)).may_take_away(shader, error);
+        if doubtful() || (about_a_name && (may_be_supplied() || of_host())) || in_front() {
             *level = Level::Strict;
         }
     }
