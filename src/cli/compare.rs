@@ -24,7 +24,7 @@ use super::inputs::InputArgs;
 use super::shard::{Printed, Printing, ShardArgs, Terminal};
 use super::status::ExitStatus;
 use super::waiting::Waiting;
-use base::diagnostic::Lang;
+use base::diagnostic::{Diagnostic, Lang};
 use base::text::Shown as _;
 use disk::fresh;
 use engine::compare::{self, Compared, Pairing, Request, SameBits, Unpaired};
@@ -157,9 +157,10 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
     let stated = args.input.domains()?;
     let profiles = profiles(args)?;
     let sides = [made(&texts[0], &args.input.define, err)?, made(&texts[1], &second_defines, err)?];
-    let [Some((firsts, first_broken)), Some((seconds, second_broken))] = &sides else {
+    if sides.iter().any(|(subjects, error)| is_broken(subjects, error.as_ref())) {
         return Ok(ExitStatus::Findings);
-    };
+    }
+    let [(firsts, _), (seconds, _)] = &sides;
     let Pairing { pairs, unpaired } =
         compare::pairing([firsts, seconds], &args.function).map_err(anyhow::Error::msg)?;
     let opened = super::lanes::opened(&args.lane, args.lane.is_empty())?;
@@ -174,7 +175,7 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
         same_bits: args.same_bits,
     };
     let names = texts.each_ref().map(|text| text.name.clone());
-    let broken = first_broken.is_some() || second_broken.is_some();
+    let broken = sides.iter().any(|(_, error)| error.is_some());
     let part = ShardResult { texts: names, broken, unpaired, pairs: Vec::new(), page: args.report_dir.clone() };
     let key = |shards| identity(args, shards, &texts, &lanes);
     let texts = texts.each_ref();
@@ -316,20 +317,25 @@ impl Printed for ShardResult {
     }
 }
 
-/// The functions of a text, each ready to run or told why it is not, and the first error where some do not compile; `None`
-/// when no function does. What is wrong is printed.
+/// The functions of a text, each ready to run or told why it is not, and its first error. All errors are printed.
 fn made(
     text: &IncludedText,
     defines: &[(String, String)],
     err: &mut dyn Write,
-) -> anyhow::Result<Option<(Vec<Subject>, Option<String>)>> {
+) -> anyhow::Result<(Vec<Subject>, Option<String>)> {
     let (errors, subjects) = subjects((&[], defines), text, &mut Vec::new())?;
     for error in &errors {
         err.write_all(report::diagnostics::text(error, Lang::En, false).as_bytes())?;
     }
-    let first = errors.first().map(|error| format!("{}: {}", error.file.locate(error.span.start), error.message));
-    let runs = subjects.iter().any(|subject| subject.ready.is_ok());
-    Ok((first.is_none() || runs).then_some((subjects, first)))
+    let said = |error: &Diagnostic| {
+        format!("error[{}] {}: {}", error.code, error.file.locate(error.span.start), error.message)
+    };
+    Ok((subjects, errors.first().map(said)))
+}
+
+/// True for a text that does not compile, and of which no function does.
+fn is_broken(subjects: &[Subject], error: Option<&String>) -> bool {
+    error.is_some() && !subjects.iter().any(|subject| subject.ready.is_ok())
 }
 
 /// Writes the page of a comparison, with its charts.

@@ -267,7 +267,7 @@ pub(super) fn subjects(
     if !errors.is_empty() {
         // Where some functions do not compile, the others run.
         let mut subjects = Vec::new();
-        if let Some((shader, broken)) = spared::shader(source, source.parsed(define), define) {
+        if let Some((shader, broken)) = spared::shader(source, parsed.shader, &errors, define) {
             let wanted = |name: &str| wanted(name) && !source.is_assumed(name);
             subjects = fuzz::subjects(&shader, &wanted).map_err(unstated)?;
             subjects.extend(broken.subjects().filter(|one| wanted(&one.name)));

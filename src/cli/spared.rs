@@ -7,7 +7,7 @@ use engine::fuzz::Subject;
 use engine::suite::read_module;
 use program::{ModuleText, ProgramError, Written};
 use syntax::ast::ItemKind;
-use syntax::{Parsed, Shader};
+use syntax::{Parsed, Shader, errors};
 
 /// Rounds in which functions are left out: those with errors, then those that call them, and so on.
 const MOST_ROUNDS: usize = 32;
@@ -64,21 +64,25 @@ impl LeftOut {
 }
 
 /// The rest of a piece in GLSL whose errors all stand in functions.
-pub(super) fn shader(source: &IncludedText, parsed: Parsed, defines: &[(String, String)]) -> Option<(Shader, LeftOut)> {
-    let mut left_out = LeftOut::default();
-    let Parsed { mut shader, mut diagnostics } = parsed;
+pub(super) fn shader(
+    source: &IncludedText,
+    shader: Shader,
+    errors: &[Diagnostic],
+    defines: &[(String, String)],
+) -> Option<(Shader, LeftOut)> {
     // A whole shader that does not compile is refused.
     if shader.function("main").is_some() {
         return None;
     }
+    let mut left_out = LeftOut::default();
+    let mut rest = left_out.without(&shader, errors)?;
     for _ in 0..MOST_ROUNDS {
-        let missing = |d: &Diagnostic| d.code == syntax::errors::MISSING_MAIN;
-        diagnostics.retain(|d| d.severity == Severity::Error && !missing(d));
+        let Parsed { shader, mut diagnostics } = read_glsl(&rest, source.stage, defines);
+        diagnostics.retain(|d| d.severity == Severity::Error && d.code != errors::MISSING_MAIN);
         if diagnostics.is_empty() {
             return Some((shader, left_out));
         }
-        let file = left_out.without(&shader, &diagnostics)?;
-        Parsed { shader, diagnostics } = read_glsl(&file, source.stage, defines);
+        rest = left_out.without(&shader, &diagnostics)?;
     }
     None
 }
@@ -90,16 +94,14 @@ pub(super) fn module(source: &IncludedText) -> Option<(ModuleText, LeftOut)> {
     }
     let mut left_out = LeftOut::default();
     let mut file = source.file.clone();
-    let whole = |shader: &Shader| shader.wgsl().is_some_and(|module| !module.entry_points.is_empty());
-    if whole(&Shader::parse_wgsl(&file).shader) {
-        return None;
-    }
     for _ in 0..MOST_ROUNDS {
+        let tree = Shader::parse_wgsl(&file).shader;
+        if tree.wgsl().is_some_and(|module| !module.entry_points.is_empty()) {
+            return None;
+        }
         match read_module(&file) {
             Ok(text) => return Some((text, left_out)),
-            Err(ProgramError::Source(errors)) => {
-                file = left_out.without(&Shader::parse_wgsl(&file).shader, &errors)?;
-            }
+            Err(ProgramError::Source(errors)) => file = left_out.without(&tree, &errors)?,
             Err(_) => return None,
         }
     }

@@ -23,7 +23,7 @@ pub use registry::{RULES, by_code, nearest, with_name};
 pub use rule::Rule;
 pub use select::{PerFile, SelectError, Selection};
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use base::diagnostic::{Code, Diagnostic, Fix, Severity};
@@ -184,8 +184,8 @@ fn leave_doubtful_to_strict(project: &Project, told: &mut [(Level, Diagnostic)])
     let mut fronts: Option<Fronts> = None;
     let supplied = open::supplied(project);
     let marks = open::repeated_marks(project);
-    let mut rewritten = open::with_replaced_comments(project);
-    rewritten.extend(project.shaders().filter(|s| marks.are_in(s)).map(|s| s.file.name()));
+    let rewritten: HashSet<&str> = project.shaders().filter(|s| marks.are_in(s)).map(|s| s.file.name()).collect();
+    let mut replaced: Option<HashSet<&str>> = None;
     for (level, error) in told.iter_mut().filter(|(level, _)| *level == Level::Default) {
         let stands = |s: &&&ShaderFile| s.front_end.iter().any(|d| d.code == error.code && d.span == error.span);
         let Some(shader) = shaders.get(error.file.name()).and_then(|all| all.iter().find(stands)) else { continue };
@@ -195,7 +195,9 @@ fn leave_doubtful_to_strict(project: &Project, told: &mut [(Level, Diagnostic)])
         let of_host = || open::is_of_host(project, &shader.shader, error);
         let mut in_front =
             || Fronts::concern(error) && fronts.get_or_insert_with(|| Fronts::of(project)).may_take_away(shader, error);
-        if doubtful() || (about_a_name && (may_be_supplied() || of_host())) || in_front() {
+        let mut in_replaced =
+            || replaced.get_or_insert_with(|| open::with_replaced_comments(project)).contains(error.file.name());
+        if doubtful() || (about_a_name && (may_be_supplied() || of_host())) || in_front() || in_replaced() {
             *level = Level::Strict;
         }
     }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::twins::{Twin, Twins};
-use super::{CompareArgs, Given, Hosts, IncludedText, command, made, version};
+use super::{CompareArgs, Given, Hosts, IncludedText, command, is_broken, made, version};
 use crate::cli::fuzz::Inputs;
 use crate::cli::shard::{Printed, Printing, Terminal};
 use crate::cli::status::ExitStatus;
@@ -62,10 +62,10 @@ pub(super) fn run(
 
 fn identity(args: &CompareArgs, shards: u64, twins: &Twins, lanes: &[&dyn Lane]) -> Identity {
     let identity = Identity::new(COMMAND, args.input.seed, shards)
-        .with("inputs", args.input.words())
+        .with("command", command(args, args.two().unwrap_or_default()))
         .with("--profile", args.profile.join(","))
-        .with("--same-bits", args.same_bits)
         .with("--samples", args.samples)
+        .with("except", twins.twins.iter().flat_map(|twin| twin.except.clone()).collect::<Vec<_>>().join(","))
         .on(lanes.iter().map(|lane| lane.description()));
     let paths = twins.twins.iter().flat_map(|twin| &twin.paths);
     paths.fold(identity, |all, path| match std::fs::read_to_string(path) {
@@ -108,19 +108,15 @@ impl All<'_> {
             Ok(text) => text.assuming(defines, &mut self.hosts),
             Err(error) => return Ok(Err(format!("{error:#}"))),
         };
-        let mut said = Vec::new();
-        let subjects = match made(&text, defines, &mut said) {
-            Ok(subjects) => subjects,
-            Err(error) => return Ok(Err(format!("{}: {error:#}", path.shown()))),
-        };
-        let broken = || format!("{} does not compile: {}", path.shown(), first_line(&said));
-        Ok(subjects.map(|(subjects, error)| Functions { text, subjects, error }).ok_or_else(broken))
+        // Of many texts, the first error of each is told, in the report.
+        Ok(match made(&text, defines, &mut std::io::sink()) {
+            Ok((subjects, Some(error))) if is_broken(&subjects, Some(&error)) => {
+                Err(format!("{} does not compile: {error}", path.shown()))
+            }
+            Ok((subjects, error)) => Ok(Functions { text, subjects, error }),
+            Err(error) => Err(format!("{}: {error:#}", path.shown())),
+        })
     }
-}
-
-/// What is said first.
-fn first_line(said: &[u8]) -> String {
-    String::from_utf8_lossy(said).lines().next().unwrap_or_default().to_owned()
 }
 
 impl Job for All<'_> {
@@ -147,20 +143,20 @@ impl Job for All<'_> {
     fn run(&mut self, (number, unit): (u64, Unit), at: &mut At<'_, Self>) -> anyhow::Result<()> {
         let Unit { names, except, sides } = unit;
         let mut report = TwinReport { except, ..TwinReport::of(names) };
-        let pairing = match &sides {
-            Ok(sides) => {
-                report.errors = sides.iter().filter_map(|side| side.error.clone()).collect();
-                compare::pairing(sides.each_ref().map(|side| side.subjects.as_slice()), &[])
-            }
-            Err(why) => Err(why.clone()),
-        };
-        let Pairing { pairs, unpaired } = match pairing {
-            Ok(pairing) => pairing,
+        let sides = match sides {
+            Ok(sides) => sides,
             Err(why) => {
                 report.not_compared = Some(why);
-                Pairing::default()
+                at.part.twins.push((number, report));
+                return Ok(());
             }
         };
+        report.errors = sides.iter().filter_map(|side| side.error.clone()).collect();
+        let pairing = compare::pairing(sides.each_ref().map(|side| side.subjects.as_slice()), &[]);
+        let Pairing { pairs, unpaired } = pairing.unwrap_or_else(|why| {
+            report.not_compared = Some(why);
+            Pairing::default()
+        });
         report.unpaired = unpaired;
         let request = Request {
             samples: self.args.samples,
@@ -178,8 +174,7 @@ impl Job for All<'_> {
             }
             let domain: Domain = self.inputs.domain(pair[0])?;
             let compared = compare::run(pair, &domain, self.lanes, &request).map_err(anyhow::Error::msg)?;
-            let texts = sides.as_ref().map(|sides| sides.each_ref().map(|side| &side.text));
-            report.pairs.push(texts.map_or(compared.clone(), |texts| super::open(compared, pair, texts)));
+            report.pairs.push(super::open(compared, pair, sides.each_ref().map(|side| &side.text)));
         }
         at.part.twins.push((number, report));
         Ok(())

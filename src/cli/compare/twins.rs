@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
-use globset::{GlobBuilder, GlobMatcher};
+
+use base::text::Shown as _;
 
 use crate::cli::below;
 use crate::cli::lint::config::{self, FileConfig, TwinPatterns};
@@ -52,9 +53,9 @@ pub(super) fn configured() -> anyhow::Result<Twins> {
                [compare] pairs = [{ first = \"glsl/**\", second = \"wgsl/**\" }]";
     let Some(path) = found else { anyhow::bail!("nothing to compare: {add}") };
     let FileConfig { folder, twins, .. } = config::read(&path)?;
-    anyhow::ensure!(!twins.is_empty(), "{} states no pairs: {add}", shortened(&path).display());
+    anyhow::ensure!(!twins.is_empty(), "{} states no pairs: {add}", shortened(&path).shown());
     let folder = if folder == here { PathBuf::from(".") } else { folder };
-    of_patterns(&folder, &twins)
+    of_patterns(&folder, &twins).with_context(|| shortened(&path).shown().to_string())
 }
 
 /// A folder as the pattern of all that is in it.
@@ -106,11 +107,7 @@ struct Candidate {
 /// The shaders that a pattern means.
 fn matching(folder: &Path, files: &[PathBuf], pattern: &str) -> anyhow::Result<Vec<Candidate>> {
     let pattern = pattern.trim_start_matches("./");
-    let glob: GlobMatcher = GlobBuilder::new(pattern)
-        .literal_separator(true)
-        .build()
-        .with_context(|| format!("`{pattern}` is no pattern of paths"))?
-        .compile_matcher();
+    let glob = config::glob(pattern).with_context(|| format!("`{pattern}` is no pattern of paths"))?;
     let fixed = pattern.split('/').take_while(|part| !part.contains(['*', '?', '{', '['])).map(|part| part.len() + 1);
     let fixed: usize = fixed.sum();
     let own = files.iter().filter_map(|path| {

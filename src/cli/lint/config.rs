@@ -110,6 +110,15 @@ impl PerFilePattern {
     }
 }
 
+/// A pattern of paths: `*` stays within a folder, `**` goes through all of them.
+///
+/// # Errors
+/// When it is none.
+pub fn glob(pattern: &str) -> Result<GlobMatcher, globset::Error> {
+    let glob = GlobBuilder::new(pattern.trim_start_matches("./")).literal_separator(true).build()?;
+    Ok(glob.compile_matcher())
+}
+
 /// Reads a configuration file.
 ///
 /// # Errors
@@ -199,10 +208,8 @@ fn per_file(table: Table<'_>) -> Vec<PerFilePattern> {
     let mut patterns = Vec::new();
     for At { value: pattern, offset } in table.keys() {
         let rules = rules(table, pattern);
-        // `*` stays within a folder, `**` goes through all of them.
-        match GlobBuilder::new(pattern.trim_start_matches("./")).literal_separator(true).build() {
-            Ok(glob) => {
-                let matcher = glob.compile_matcher();
+        match glob(pattern) {
+            Ok(matcher) => {
                 patterns.push(PerFilePattern { matcher, with_path: pattern.contains('/'), rules });
             }
             Err(error) => {
@@ -276,6 +283,11 @@ fn twins(table: Table<'_>) -> Option<TwinPatterns> {
     let table = table.only(&["first", "second", "except"]);
     let first = table.required_text("first", "first = \"glsl/**\"");
     let second = table.required_text("second", "second = \"wgsl/**\"");
+    for At { value: pattern, offset } in [&first, &second].into_iter().flatten() {
+        if let Err(error) = glob(pattern) {
+            table.reader.problem(*offset, format!("`{pattern}` is no pattern of paths: {}", error.kind()));
+        }
+    }
     let except = table.texts("except").into_iter().map(|name| name.value).collect();
     Some(TwinPatterns { first: first?.value, second: second?.value, except })
 }

@@ -192,6 +192,8 @@ pub(super) fn apart(pair: &ReadyPair<'_>, profile: &Profile, samples: &[Sample])
     let mut all = Vec::with_capacity(samples.len());
     let mut limiters = pair.oracles.each_ref().map(|oracle| Limiter::new(oracle, profile, Stage::Compute));
     let mut limits = [Limits::default(), Limits::default()];
+    let words: Vec<(usize, usize)> =
+        pair.reference.pairs().into_iter().flat_map(|(own, other)| own.zip(other)).collect();
     for chunk in samples.chunks(SLOTS) {
         let batch = Sample::batch(chunk);
         let fed = pair.fed(&batch);
@@ -208,9 +210,8 @@ pub(super) fn apart(pair: &ReadyPair<'_>, profile: &Profile, samples: &[Sample])
             }
         };
         for slot in 0..limits[0].slots {
-            let words = || pair.reference.pairs().into_iter().flat_map(|(own, other)| own.zip(other));
-            let grade = words().map(|(own, other)| of_word(own * SLOTS + slot, other * SLOTS + slot)).max();
-            let farthest = words().map(|(own, other)| {
+            let grade = words.iter().map(|&(own, other)| of_word(own * SLOTS + slot, other * SLOTS + slot)).max();
+            let farthest = words.iter().map(|&(own, other)| {
                 let values = [limits[0].values[own * SLOTS + slot], limits[1].values[other * SLOTS + slot]];
                 Farthest { word: own, values }
             });

@@ -48,11 +48,7 @@ const ELEMENTS: u32 = program::ELEMENTS_ALONE;
 pub(super) fn with_caller(text: &ModuleText, function: &str) -> Option<MadeCaller> {
     let tree = text.tree()?;
     let module = tree.wgsl()?;
-    let mut items = module.items.iter();
-    let (params, returns) = items.find_map(|item| match item {
-        ModuleItem::Function { name, params, returns, .. } if name.name == function => Some((params, returns)),
-        _ => None,
-    })?;
+    let (params, returns) = head(text, function)?;
     let (shared, stored) = (variables(&module.items, "workgroup"), variables(&module.items, "storage"));
     // Invocations of a workgroup call a function together that waits at a barrier or has memory of the workgroup.
     let together = reaches(tree, function, &|word| word.ends_with("Barrier") || shared.contains(word));
@@ -77,12 +73,27 @@ pub(super) fn with_caller(text: &ModuleText, function: &str) -> Option<MadeCalle
     };
     let arguments: Option<Vec<String>> = params.iter().map(|param| caller.argument(param)).collect();
     let call = format!("{function}({})", arguments?.join(", "));
-    caller.call(&call, returns.as_ref().map(|(_, ty)| file.slice(ty.span)));
+    caller.call(&call, returns.map(|ty| file.slice(ty.span)));
+    let made = with_more(file, &caller.finish(invocations(tree, &module.items)))?;
+    Some(MadeCaller { text: made, kernel, alone: !together })
+}
+
+/// The parameters of a function, and the type that it returns.
+pub(super) fn head<'t>(text: &'t ModuleText, function: &str) -> Option<(&'t [MemberSyntax], Option<&'t TypeSyntax>)> {
+    text.tree()?.wgsl()?.items.iter().find_map(|item| match item {
+        ModuleItem::Function { name, params, returns, .. } if name.name == function => {
+            Some((params.as_slice(), returns.as_ref().map(|(_, ty)| ty)))
+        }
+        _ => None,
+    })
+}
+
+/// A module with more behind it.
+pub(super) fn with_more(file: &SourceFile, more: &str) -> Option<ModuleText> {
     let (mut out, end) = (Assembly::new(), file.text().len());
     out.copy(file, Span::new(0, end));
-    out.insert(&caller.finish(invocations(tree, &module.items)), file, end);
-    let made = ModuleText::read(&out.finish(file.name()), Written::Wgsl).ok()?;
-    Some(MadeCaller { text: made, kernel, alone: !together })
+    out.insert(more, file, end);
+    ModuleText::read(&out.finish(file.name()), Written::Wgsl).ok()
 }
 
 /// Names that stand in indices into some variables.

@@ -1,11 +1,10 @@
 //! A function in WGSL that takes textures or samplers, without them: another function is made up that gives it variables of
 //! the module, and takes the rest.
 
-use base::text::{Assembly, Span};
-use program::{ModuleText, Written};
-use syntax::wgsl::{MemberSyntax, ModuleItem};
+use program::ModuleText;
+use syntax::wgsl::MemberSyntax;
 
-use super::called::MadeCaller;
+use super::called::{MadeCaller, head, with_more};
 
 /// What the name of a function ends with that is made up.
 const BOUND: &str = "_bound";
@@ -15,12 +14,8 @@ const FIRST: usize = 1 << 22;
 
 /// The text with a function that calls another one with textures of the module; none for a function that takes none.
 pub(super) fn with_textures(text: &ModuleText, function: &str) -> Option<MadeCaller> {
-    let module = text.tree()?.wgsl()?;
     let file = text.file();
-    let (params, returns) = module.items.iter().find_map(|item| match item {
-        ModuleItem::Function { name, params, returns, .. } if name.name == function => Some((params, returns)),
-        _ => None,
-    })?;
+    let (params, returns) = head(text, function)?;
     let kernel = format!("{}{BOUND}", function.trim_end_matches('_'));
     if !params.iter().any(is_opaque) || file.text().contains(&kernel) {
         return None;
@@ -38,15 +33,11 @@ pub(super) fn with_textures(text: &ModuleText, function: &str) -> Option<MadeCal
     }
     let call = format!("{function}({})", given.join(", "));
     let (gives, call) = match returns {
-        Some((_, ty)) => (format!(" -> {}", file.slice(ty.span)), format!("return {call};")),
+        Some(ty) => (format!(" -> {}", file.slice(ty.span)), format!("return {call};")),
         None => (String::new(), format!("{call};")),
     };
     let bound = format!("\n{declared}fn {kernel}({}){gives} {{ {call} }}\n", taken.join(", "));
-    let (mut out, end) = (Assembly::new(), file.text().len());
-    out.copy(file, Span::new(0, end));
-    out.insert(&bound, file, end);
-    let text = ModuleText::read(&out.finish(file.name()), Written::Wgsl).ok()?;
-    Some(MadeCaller { text, kernel, alone: true })
+    Some(MadeCaller { text: with_more(file, &bound)?, kernel, alone: true })
 }
 
 /// True for a parameter that only a binding gives.

@@ -266,7 +266,6 @@ struct TwinPair<'a> {
 pub fn json(summary: &Twins) -> String {
     let counts = summary.counts();
     let fails = summary.fails() || counts.compared == 0;
-    let twin = |twin: &'_ TwinReport| -> Vec<bool> { twin.pairs.iter().map(|pair| twin.is_excepted(pair)).collect() };
     let twins = summary.twins.iter().map(|own| Twin {
         first: &own.texts[0],
         second: &own.texts[1],
@@ -275,8 +274,7 @@ pub fn json(summary: &Twins) -> String {
         pairs: own
             .pairs
             .iter()
-            .zip(twin(own))
-            .map(|(pair, excepted)| TwinPair { excepted, pair: super::json::pair(pair) })
+            .map(|pair| TwinPair { excepted: own.is_excepted(pair), pair: super::json::pair(pair) })
             .collect(),
         unpaired: (0..2)
             .flat_map(|side| own.unpaired[side].iter().map(move |one| super::json::alone(side, one)))

@@ -14,7 +14,7 @@ use reading::{Project, ShaderFile};
 
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::spelled::Spelled;
-use position::Position;
+use position::{Position, has_prepass};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -30,6 +30,11 @@ fn check(project: &Project, findings: &mut Findings<'_>) {
     let equal: Vec<(&HostFile, Span)> =
         project.hosts().filter_map(|host| Some((host, equal_depth(host.file.text())?))).collect();
     let shaders: Vec<&ShaderFile> = project.shaders().collect();
+    // Most projects ask for nothing of the kind.
+    let asks = |shader: &&ShaderFile| has_prepass(shader) || shader.file.text().contains("invariant");
+    if equal.is_empty() && !shaders.iter().any(asks) {
+        return;
+    }
     let all: Vec<Position<'_>> = shaders.into_par_iter().flat_map_iter(Position::all_of).collect();
     let computed = all.iter().filter(|position| position.spelled.as_ref().is_none_or(|spelled| spelled.rounds));
     let all: Vec<&Position<'_>> = computed.collect();

@@ -56,6 +56,12 @@ fn is_prepass(name: &str) -> bool {
     words.iter().any(|word| word == "prepass") || words.windows(2).any(|pair| pair == ["pre", "pass"])
 }
 
+/// True for a file that is a pass before others by its name, or has an entry point that is.
+pub(super) fn has_prepass(file: &ShaderFile) -> bool {
+    let entries = file.shader.wgsl().into_iter().flat_map(|module| &module.entry_points);
+    is_prepass(stem(file.file.name())) || entries.into_iter().any(|entry| is_prepass(&entry.name.name))
+}
+
 fn of_glsl(file: &ShaderFile) -> Option<Position<'_>> {
     let shader = &file.shader;
     if shader.stage() != Stage::Vertex {
