@@ -7,9 +7,9 @@ use std::fs;
 use std::time::Instant;
 
 use engine::suite::run::DEFAULT_SEED;
-use shadercheck::cli::check::Format;
 use shadercheck::cli::fuzz::{FuzzArgs, run};
 use shadercheck::cli::inputs::InputArgs;
+use shadercheck::cli::reported::Reported;
 
 const LIBRARY: &str = include_str!("library.glsl");
 const SAMPLES: u64 = 1 << 16;
@@ -22,7 +22,7 @@ fn main() -> anyhow::Result<()> {
         files: vec![path],
         samples: SAMPLES,
         input: InputArgs { seed: DEFAULT_SEED, ..InputArgs::default() },
-        format: Format::Json,
+        format: Reported::Json,
         ..FuzzArgs::default()
     };
     let (mut out, mut err) = (Vec::new(), Vec::new());

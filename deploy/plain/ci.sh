@@ -1,9 +1,10 @@
 #!/bin/sh
-# Lints and checks shaders as a CI job does: ci.sh [PATH...] (default: the current folder).
+# Lints, checks and fuzzes shaders as a CI job does: ci.sh [PATH...] (default: the current folder).
 #
-#   RUN          what to do: lint, check, or both (the default)
+#   RUN          what to do, separated by blanks: lint, check and fuzz (default: lint check)
 #   ARGS         further options of `shadercheck check`, separated by blanks
 #   LINT_ARGS    further options of `shadercheck lint`
+#   FUZZ_ARGS    further options of `shadercheck fuzz`
 #   LANES        only these lanes, separated by commas (default: all available)
 #   REQUIRE      lanes that must be available, separated by commas
 #   FORMAT       how findings are printed: text (the default), or github for annotations
@@ -33,9 +34,9 @@ case $format in
 esac
 for what in $run; do
     case $what in
-        lint | check) ;;
+        lint | check | fuzz) ;;
         *)
-            echo "ci.sh: RUN has \`$what\`; it is lint, check, or both" >&2
+            echo "ci.sh: RUN has \`$what\`; it is lint, check or fuzz" >&2
             exit 2
             ;;
     esac
@@ -82,12 +83,23 @@ check() {
         --report-dir "$reports" --format "$format"
 }
 
+# Its reports have the names of those of check.
+# shellcheck disable=SC2317
+fuzz() {
+    rm -f "$reports/fuzz/summary.md"
+    # shellcheck disable=SC2086
+    "$shadercheck" fuzz "$@" ${LANES:+--lane "$LANES"} ${FUZZ_ARGS:-} --report-dir "$reports/fuzz" --format "$format"
+}
+
 if has lint; then
     try lint "$@"
     linted=$status
 fi
 if has check; then
     try check "$@"
+fi
+if has fuzz; then
+    try fuzz "$@"
 fi
 
 if [ -n "$summary" ]; then
@@ -108,6 +120,9 @@ if [ -n "$summary" ]; then
     fi
     if has check && [ -f "$reports/summary.md" ]; then
         cat "$reports/summary.md" >> "$summary"
+    fi
+    if has fuzz && [ -f "$reports/fuzz/summary.md" ]; then
+        cat "$reports/fuzz/summary.md" >> "$summary"
     fi
 fi
 exit "$worst"

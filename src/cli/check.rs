@@ -11,19 +11,17 @@ mod shared;
 mod watched;
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::Context;
-use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, ValueEnum};
 
+use crate::cli::reported::{self, Reported};
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
 use crate::cli::test;
 use crate::cli::waiting::Waiting;
-use base::text::Shown;
-use disk::fresh;
 use engine::check::{self, Check, Suites};
 use engine::suite::run::{DEFAULT_SEED, LaneUsed, Peer, Prepared, Request, RunError, Status, Summary, prepare};
 use judge::profile::Promises;
@@ -116,7 +114,7 @@ pub struct CheckArgs {
     #[arg(long)]
     pub plain: bool,
     /// Format of the result
-    #[arg(long, value_parser = formats(), default_value = TEXT)]
+    #[arg(long, value_parser = reported::names(), default_value = "text")]
     pub format: String,
 }
 
@@ -174,14 +172,6 @@ pub enum Format {
     Json,
 }
 
-fn formats() -> PossibleValuesParser {
-    let others = report::check::FORMATS.iter().map(|f| PossibleValue::new(f.name).help(f.summary));
-    PossibleValuesParser::new(std::iter::once(PossibleValue::new(TEXT).help("For people")).chain(others))
-}
-
-/// The format that is no report for programs.
-const TEXT: &str = "text";
-
 impl CheckArgs {
     /// True where nothing is asked for that is of suites alone.
     fn is_plain(&self) -> bool {
@@ -194,8 +184,12 @@ impl CheckArgs {
             && words.iter().all(|own| own.is_none())
     }
 
+    fn reported(&self) -> Reported {
+        Reported::named(&self.format)
+    }
+
     fn is_text(&self) -> bool {
-        report::check::by_name(&self.format).is_none()
+        self.reported().is_text()
     }
 
     fn is_json(&self) -> bool {
@@ -287,16 +281,17 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     summary.interrupted = interrupt::signal();
     summary.stale = expectations.stale();
     if let Some(folder) = &args.report_dir {
-        pages.attempt(write_reports(folder, &summary));
+        let written = reported::write_all(folder, &report::check::ci(&summary), &report::check::json(&summary));
+        pages.attempt(written);
         let written = pages.write(folder, &summary, &promises);
         pages.attempt(written);
         for note in &pages.notes {
             writeln!(err, "note: {note}")?;
         }
     }
-    match report::check::by_name(&args.format) {
+    match args.reported().of(|| report::check::ci(&summary), || report::check::json(&summary))? {
         None => screen.end(&summary, out)?,
-        Some(format) => out.write_all((format.write)(&summary).map_err(anyhow::Error::msg)?.as_bytes())?,
+        Some(text) => out.write_all(text.as_bytes())?,
     }
     out.flush()?;
     pages.failed.map_or(Ok(()), Err)?;
@@ -327,9 +322,9 @@ fn concluded(summary: &Summary, err: &mut dyn Write) -> anyhow::Result<ExitStatu
 }
 
 /// Prints what follows the lines of the suites.
-fn print(summary: &Summary, json: bool, color: bool, out: &mut dyn Write) -> anyhow::Result<()> {
-    if json {
-        out.write_all(report::check::json(summary).as_bytes())?;
+fn print(summary: &Summary, format: Reported, color: bool, out: &mut dyn Write) -> anyhow::Result<()> {
+    if let Some(text) = format.of(|| report::check::ci(summary), || report::check::json(summary))? {
+        out.write_all(text.as_bytes())?;
     } else {
         screen::findings(summary, color, out)?;
         out.write_all(report::check::totals(summary, color).as_bytes())?;
@@ -374,18 +369,6 @@ fn tasks(args: &CheckArgs, check: &Check<'_, Asked<'_>>) -> Vec<Task> {
         }
     }
     tasks
-}
-
-/// Writes the run in every format for programs, each file in one step.
-fn write_reports(folder: &Path, summary: &Summary) -> anyhow::Result<()> {
-    std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.shown()))?;
-    for format in report::check::FORMATS {
-        let path = folder.join(format.file);
-        let context = || format!("cannot write `{}`", path.shown());
-        let text = (format.write)(summary).map_err(anyhow::Error::msg).with_context(context)?;
-        fresh::write(&path, text.as_bytes()).with_context(context)?;
-    }
-    Ok(())
 }
 
 /// The suites that were asked for.

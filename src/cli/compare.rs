@@ -15,25 +15,24 @@ use clap::Args;
 use serde::{Deserialize, Serialize};
 
 use super::check::profile;
-use super::check::{Format, shell_word};
+use super::check::shell_word;
 use super::compose::{ComposeArgs, Given};
 use super::fuzz::{Inputs, subjects};
 use super::hosts::Hosts;
 use super::includes::IncludedText;
 use super::inputs::InputArgs;
+use super::reported::{self, Reported};
 use super::shard::{Printed, Printing, ShardArgs, Terminal};
 use super::status::ExitStatus;
 use super::waiting::Waiting;
 use base::diagnostic::{Diagnostic, Lang};
-use base::text::Shown as _;
-use disk::fresh;
 use engine::compare::{self, Compared, Pairing, Request, SameBits, Unpaired};
 use engine::fuzz::{Domain, Subject};
 use engine::session::{At, Job, Join, Seen, Unlike};
 use engine::shard::Identity;
 use judge::profile::Profile;
 use lanes::Lane;
-use report::compare::{Summary, json, text};
+use report::compare::{Summary, ci, json, text};
 
 /// Samples of a pair, when none are asked for.
 const SAMPLES: u64 = 1 << 14;
@@ -99,15 +98,15 @@ pub struct CompareArgs {
     #[arg(long, value_name = "INPUTS", requires = "function")]
     pub case: Option<String>,
     /// Write a page (`index.html`) to this folder, with charts of both functions, their difference and their bounds
-    /// over each input, and `report.json`
+    /// over each input, and the report in every format; of folders and patterns the report alone
     #[arg(long, value_name = "DIR")]
     pub report_dir: Option<PathBuf>,
     /// Which pairs of the run: pair `k` is done by shard `k` modulo N
     #[command(flatten)]
     pub sharing: ShardArgs,
     /// Format of the result
-    #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
+    #[arg(long, value_parser = reported::parser(), default_value = "text")]
+    pub format: Reported,
 }
 
 impl CompareArgs {
@@ -300,7 +299,7 @@ impl Printed for ShardResult {
         if let Some(folder) = folder {
             page(&folder, &summary)?;
         }
-        let printed = if to.json { json(&summary) } else { text(&summary, to.color) };
+        let printed = to.format.of(|| ci(&summary), || json(&summary))?.unwrap_or_else(|| text(&summary, to.color));
         to.out.write_all(printed.as_bytes())?;
         Ok(if let Some(status) = to.ended()? {
             status
@@ -342,8 +341,7 @@ fn is_broken(subjects: &[Subject], error: Option<&String>) -> bool {
 fn page(folder: &Path, summary: &Summary) -> anyhow::Result<()> {
     let site = report::html::comparison(summary).map_err(anyhow::Error::msg).context("cannot draw the page")?;
     super::check::write_site(folder, site)?;
-    let path = folder.join("report.json");
-    fresh::write(&path, json(summary).as_bytes()).with_context(|| format!("cannot write `{}`", path.shown()))
+    reported::write_all(folder, &ci(summary), &json(summary))
 }
 
 /// The command line up to the function.

@@ -9,6 +9,7 @@ use anyhow::Context as _;
 use base::text::{Shown, SourceFile};
 use disk::{Budget, plain_path};
 use hosts::document::{Printed, runnable_shaders};
+use hosts::script::filled::candidates;
 use hosts::{Language, language_of};
 
 /// The shaders that a path means; none when it names a file that is one shader.
@@ -55,23 +56,10 @@ pub fn runnable(file: &SourceFile, path: &Path) -> Vec<Printed> {
     })
 }
 
-/// The file that an import means: as it is written, with an ending, or as the index of a folder. `a.js` is `a.ts` where the
-/// compiler of TypeScript has still to write it.
+/// The file that an import means.
 fn imported(path: &Path) -> Option<PathBuf> {
-    const ENDINGS: [&str; 4] = ["ts", "js", "tsx", "mjs"];
-    let path = plain_path(path);
-    let with = |ending: &str| {
-        let mut name = path.clone().into_os_string();
-        name.push(format!(".{ending}"));
-        PathBuf::from(name)
-    };
-    let mut all = vec![path.clone()];
-    all.extend(ENDINGS.iter().map(|ending| with(ending)));
-    all.extend(ENDINGS.iter().map(|ending| path.join(format!("index.{ending}"))));
-    if path.extension().is_some_and(|ending| ending == "js") {
-        all.push(path.with_extension("ts"));
-    }
-    all.into_iter().find(|path| path.is_file())
+    let path = plain_path(path).to_str()?.to_owned();
+    candidates(&path).into_iter().map(PathBuf::from).find(|path| path.is_file())
 }
 
 /// The one shader that a path means, for commands that take one.

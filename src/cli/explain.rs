@@ -96,15 +96,22 @@ fn code(given: &str) -> Option<String> {
     Some(format!("{code}  error of the front end: {line}\n{told}"))
 }
 
-/// What a kind of finding of `check` stands for.
+/// What a kind of finding of `check` and `fuzz` stands for.
 #[cfg(feature = "run")]
 fn kind(given: &str) -> Option<String> {
-    let about = |about: &str, warning: bool| {
-        format!("{given}  {} of `shadercheck check`: {about}", if warning { "warning" } else { "finding" })
+    let about = |of: &str, about: &str, warning: bool| {
+        format!("{given}  {} of `shadercheck {of}`: {about}", if warning { "warning" } else { "finding" })
     };
-    let kind = engine::suite::run::FindingKind::ALL.into_iter().find(|kind| kind.name() == given);
-    kind.map(|kind| about(kind.about(), kind.is_warning()))
-        .or_else(|| report::check::about(given).map(|line| about(line, false)))
+    let of_check = || {
+        let kind = engine::suite::run::FindingKind::ALL.into_iter().find(|kind| kind.name() == given);
+        let kind = kind.map(|kind| (kind.about(), kind.is_warning()));
+        kind.or_else(|| report::check::about(given).map(|line| (line, false)))
+    };
+    let of_fuzz = || engine::fuzz::FuzzFindingKind::ALL.iter().find(|kind| kind.name() == given);
+    let lines: Vec<String> = (of_check().map(|(line, warning)| about("check", line, warning)).into_iter())
+        .chain(of_fuzz().map(|kind| about("fuzz", kind.about(), false)))
+        .collect();
+    (!lines.is_empty()).then(|| lines.join("\n"))
 }
 
 #[cfg(not(feature = "run"))]

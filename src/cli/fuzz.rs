@@ -11,12 +11,12 @@ use anyhow::Context as _;
 use clap::Args;
 
 use super::below;
-use super::check::Format;
 use super::check::shell_word;
 use super::compose::ComposeArgs;
 use super::hosts::Hosts;
 use super::includes::{self, IncludedText};
 use super::inputs::InputArgs;
+use super::reported::{self, Reported};
 use super::spared;
 use crate::cli::shard::{ShardArgs, Terminal};
 use crate::cli::status::ExitStatus;
@@ -115,9 +115,12 @@ pub struct FuzzArgs {
     /// Which functions of the run: shard `k` modulo N runs function `k`
     #[command(flatten)]
     pub sharing: ShardArgs,
+    /// Write the report in every format to this folder
+    #[arg(long, value_name = "DIR", conflicts_with = "reproducible")]
+    pub report_dir: Option<PathBuf>,
     /// Format of the result
-    #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
+    #[arg(long, value_parser = reported::parser(), default_value = "text")]
+    pub format: Reported,
 }
 
 /// Runs the command: the result goes to `out`, progress and complaints to `err`.
@@ -131,8 +134,8 @@ pub struct FuzzArgs {
 pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
     let shard = args.sharing.shard()?;
     anyhow::ensure!(
-        shard.is_none() || (args.case.is_none() && !args.write_suite),
-        "--shard does a part of the functions; --case and --write-suite are for a run without it"
+        shard.is_none() || (args.case.is_none() && !args.write_suite && args.report_dir.is_none()),
+        "--shard does a part of the functions; --case, --write-suite and --report-dir are for a run without it"
     );
     let _waiting = Waiting::begin();
     let stated = args.input.domains()?;
@@ -165,6 +168,7 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
         anyhow::bail!("--write-suite writes a suite beside a shader file, and {} stands in another file", printed.name);
     }
     let (part, lanes) = open_lanes(args)?;
+    let part = part.with_reports(args.report_dir.clone());
     let lanes = lanes.iter().map(|lane| (lane.as_ref(), Promises::of_lane(lane.description()))).collect();
     let terminal = Terminal::new(args.format, color, out, err);
     let (whole, many) = (shard.is_none(), sources.len() > 1);

@@ -236,7 +236,7 @@ impl Printed for ShardResult {
         let (files, broken) = self.reports(&mut to)?;
         let profile = to.identity.parameters.get(PROFILE).cloned().unwrap_or_default();
         let summary = Summary { seed: to.identity.seed, profile, files };
-        let printed = if to.json { json(&summary) } else { report::improve::text(&summary, to.color) };
+        let printed = if !to.format.is_text() { json(&summary) } else { report::improve::text(&summary, to.color) };
         to.out.write_all(printed.as_bytes())?;
         let open = summary.files.iter().any(|file| file.patch.is_some() && !file.written);
         Ok(match to.ended()? {

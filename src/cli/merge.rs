@@ -9,7 +9,7 @@ use anyhow::Context;
 use clap::Args;
 use serde_json::Value;
 
-use super::check::Format;
+use super::reported::{self, Reported};
 use super::shard::{Printed, Printing};
 use super::status::ExitStatus;
 use super::{calibrate, check, compare, fuzz, improve, mutate, refdata, torture, tune};
@@ -39,8 +39,8 @@ pub struct MergeArgs {
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Format of the result
-    #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
+    #[arg(long, value_parser = reported::parser(), default_value = "text")]
+    pub format: Reported,
 }
 
 /// A result and the file that it was read from.
@@ -101,6 +101,14 @@ pub fn run(args: &MergeArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     }
     let covers: Vec<u64> = covers.into_keys().collect();
     let merge = Merge { args, identity, covers, missing, paths: &paths, color };
+    // The others find no faults at a place.
+    let told = ["check", "compare", compare::OF_TWINS, "fuzz"];
+    if let Reported::Service(service) = args.format
+        && !told.contains(&merge.identity.command.as_str())
+    {
+        let command = &merge.identity.command;
+        anyhow::bail!("a result of `{command}` has no findings for `{}`: --format is text or json", service.name);
+    }
     match merge.identity.command.as_str() {
         "check" => merge.of::<check::ShardResult>(all, out, err),
         "compare" => merge.of::<compare::ShardResult>(all, out, err),
@@ -145,9 +153,9 @@ impl Merge<'_> {
             writeln!(err, "note: {}", missing_parts(&self.missing, &self.identity, self.paths))?;
             return Ok(ExitStatus::Clean);
         }
-        let (identity, json, color) = (&self.identity, self.args.format == Format::Json, self.color);
+        let (identity, format, color) = (&self.identity, self.args.format, self.color);
         let (live, interrupted) = (false, None);
-        let status = joined.print(Printing { identity, json, color, live, interrupted, out: &mut *out, err })?;
+        let status = joined.print(Printing { identity, format, color, live, interrupted, out: &mut *out, err })?;
         out.flush()?;
         Ok(status)
     }

@@ -52,6 +52,8 @@ mod process;
 #[cfg(feature = "run")]
 pub mod refdata;
 #[cfg(feature = "run")]
+pub mod reported;
+#[cfg(feature = "run")]
 pub mod shard;
 #[cfg(feature = "run")]
 mod spared;

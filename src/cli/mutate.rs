@@ -295,7 +295,7 @@ impl Printed for ShardResult {
                 "the chosen operators find nothing to change in the chosen shaders; choose others with --operator"
             );
         }
-        if to.json {
+        if !to.format.is_text() {
             to.out.write_all(json(&summary).as_bytes())?;
         } else if !summary.suites.is_empty() {
             to.out.write_all(text(&summary).as_bytes())?;

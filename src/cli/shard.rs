@@ -10,7 +10,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::cli::bar::Bar;
-use crate::cli::check::Format;
+use crate::cli::reported::Reported;
 use crate::cli::status::ExitStatus;
 use base::text::Shown;
 use disk::fresh;
@@ -36,8 +36,8 @@ pub struct ShardArgs {
 pub struct Printing<'p> {
     /// The run that it is of.
     pub identity: &'p Identity,
-    /// For programs, and not for people.
-    pub json: bool,
+    /// How it is printed.
+    pub format: Reported,
     /// With colours.
     pub color: bool,
     /// What is printed while a run goes is there already.
@@ -76,8 +76,8 @@ pub trait Printed: Join {
 pub struct Terminal<'a> {
     /// The progress.
     pub bar: Bar,
-    /// The result is for programs, and not for people.
-    pub json: bool,
+    /// How the result is printed.
+    pub format: Reported,
     /// With colours.
     pub color: bool,
     /// The result.
@@ -88,9 +88,9 @@ pub struct Terminal<'a> {
 
 impl<'a> Terminal<'a> {
     /// With a bar where people look.
-    pub fn new(format: Format, color: bool, out: &'a mut dyn Write, err: &'a mut dyn Write) -> Self {
-        let json = format == Format::Json;
-        Self { bar: Bar::new(!json), json, color, out, err }
+    pub fn new(format: impl Into<Reported>, color: bool, out: &'a mut dyn Write, err: &'a mut dyn Write) -> Self {
+        let format = format.into();
+        Self { bar: Bar::new(format.is_text()), format, color, out, err }
     }
 }
 
@@ -171,26 +171,27 @@ impl ShardArgs {
         let identity = key(shard.map_or(1, Shard::count));
         let Some(shard) = shard else {
             let found = session::run(job, None, Reached::nothing(part), watch)?;
-            let Terminal { bar, json, color, out, err } = watch.terminal();
+            let Terminal { bar, format, color, out, err } = watch.terminal();
             bar.finish();
             let found = found.context("internal error, please report: a whole run gave nothing")?;
             let (identity, interrupted) = (&identity, interrupt::signal());
-            let (json, color) = (*json, *color);
-            let to = Printing { identity, json, color, live: true, interrupted, out: *out, err: *err };
+            let (format, color) = (*format, *color);
+            let to = Printing { identity, format, color, live: true, interrupted, out: *out, err: *err };
             let status = found.print(to)?;
             out.flush()?;
             return Ok(status);
         };
         let store = Store::new(&self.shard_dir, shard, identity)?;
-        let Terminal { json, out, err, .. } = watch.terminal();
-        let earlier = match store.earlier::<Reached<J::Part>, J::Part>(*json, (*out, *err))? {
+        let Terminal { format, out, err, .. } = watch.terminal();
+        let json = !format.is_text();
+        let earlier = match store.earlier::<Reached<J::Part>, J::Part>(json, (*out, *err))? {
             Earlier::Done => return Ok(ExitStatus::Clean),
             Earlier::Reached(earlier) => earlier.unwrap_or_else(|| Reached::nothing(part)),
         };
         let found = session::run(job, Some(shard), earlier, &mut Stored { store: &store, watch })?;
-        let Terminal { bar, json, out, err, .. } = watch.terminal();
+        let Terminal { bar, out, err, .. } = watch.terminal();
         bar.finish();
-        store.conclude(found.as_ref(), *json, (*out, *err))
+        store.conclude(found.as_ref(), json, (*out, *err))
     }
 
     /// The shard that is asked for; none for a whole run.

@@ -223,7 +223,7 @@ impl Printed for ShardResult {
             seconds: self.seconds,
             interrupted: to.interrupted,
         };
-        let printed = if to.json { json(&summary) } else { text(&summary) };
+        let printed = if !to.format.is_text() { json(&summary) } else { text(&summary) };
         to.out.write_all(printed.as_bytes())?;
         Ok(if let Some(signal) = summary.interrupted {
             ExitStatus::Interrupted(signal)

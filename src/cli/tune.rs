@@ -308,7 +308,7 @@ impl Printed for ShardResult {
     fn print(self, mut to: Printing<'_>) -> anyhow::Result<ExitStatus> {
         let (files, broken) = self.reports(&mut to)?;
         let summary = Summary { seed: to.identity.seed, files };
-        let printed = if to.json { json(&summary) } else { text(&summary, to.color) };
+        let printed = if !to.format.is_text() { json(&summary) } else { text(&summary, to.color) };
         to.out.write_all(printed.as_bytes())?;
         let open = |file: &FileReport| file.report.beyond.is_some() || (file.patch.is_some() && !file.written);
         Ok(match to.ended()? {

@@ -240,7 +240,9 @@ fn a_release_is_downloaded_and_what_is_not_one_is_built() {
 
 fn script(folder: &Path, args: &[&str], variables: &[(&str, &str)]) -> Ran {
     let mut command = Command::new(root().join("deploy/plain/ci.sh"));
-    for name in ["GITHUB_STEP_SUMMARY", "SUMMARY", "RUN", "ARGS", "LINT_ARGS", "REQUIRE", "FORMAT", "REPORTS"] {
+    for name in
+        ["GITHUB_STEP_SUMMARY", "SUMMARY", "RUN", "ARGS", "LINT_ARGS", "FUZZ_ARGS", "REQUIRE", "FORMAT", "REPORTS"]
+    {
         command.env_remove(name);
     }
     command.env("SHADERCHECK", env!("CARGO_BIN_EXE_shadercheck")).env("LANES", "embedded");
@@ -257,6 +259,15 @@ fn the_script_alone_gives_status_and_reports() {
     let wrong = project(false);
     script(wrong.path(), &["tone.glsl"], &[("RUN", "lint")]).expect(1);
     script(wrong.path(), &["tone.suite.toml"], &[("RUN", "check")]).expect(1);
+    // What has no suite is fuzzed, and what is found stands on the page and in the reports.
+    fs::write(wrong.path().join("root.glsl"), "float f(float x) { return sqrt(x - 8.0); }\n").unwrap();
+    let variables = [("RUN", "fuzz"), ("FUZZ_ARGS", "--samples 999"), ("SUMMARY", "page.md"), ("FORMAT", "github")];
+    let ran = script(wrong.path(), &["root.glsl"], &variables).expect(1);
+    assert!(ran.out.contains("::error file=root.glsl,line=1,col=27,title=shadercheck no_value::"), "{}", ran.out);
+    let page = fs::read_to_string(wrong.path().join("page.md")).unwrap();
+    assert!(page.contains("## shadercheck fuzz failed") && page.contains("| `root.glsl` | 1 | 1 | 0 |"), "{page}");
+    let junit = fs::read_to_string(wrong.path().join("shadercheck-reports/fuzz/junit.xml")).unwrap();
+    assert!(junit.contains("type=\"no_value\"") && junit.contains("999 samples"), "{junit}");
     // A finding of lint does not hide that check could not be run.
     script(wrong.path(), &[], &[("REQUIRE", "quantum")]).expect(2);
     for (name, value) in [("FORMAT", "xml"), ("RUN", "lint chekc"), ("SHADERCHECK", "/nowhere/shadercheck")] {

@@ -256,3 +256,16 @@ fn functions_of_wgsl_get_textures_and_samplers_that_only_a_caller_has() {
         assert!(ran.out.contains("log(-1.") && ran.out.contains("textures of wrong: t: 2D"), "{}", ran.out);
     }
 }
+
+#[test]
+fn what_is_stated_counts_beside_what_is_taken() {
+    let text = "fn f(x: f32) -> f32 {\n  var a: array<f32, #{N}>;\n  a[0] = x;\n#ifdef FANCY\n  return sqrt(a[0] - 9.0);\n\
+                #else\n  return a[0];\n#endif\n}\n";
+    let ran = fuzz("a.wgsl", text, "--define FANCY=1").expect(0);
+    assert!(ran.out.contains("a.wgsl:5:10") && ran.err.contains("`N` is taken for"), "{ran:?}");
+    let ran = fuzz("a.wgsl", text, "").expect(0);
+    assert!(ran.out.contains("1 function run"), "{ran:?}");
+    // What nothing asks for is told.
+    let ran = fuzz("a.wgsl", text, "--define FANCI=1");
+    assert!(ran.out.contains("there is no `override` constant `FANCI`"), "{ran:?}");
+}

@@ -21,19 +21,20 @@ fn below_here(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// The file that an `#include` asks for; none where there is none. One by `"path"` is looked for beside the file that asks
-/// first, then in the folders, and then in those around the file. One that lies in none of `within` is read where it is a
+/// first, and each in the folders, and then in those around the file. One that lies in none of `within` is read where it is a
 /// shader by its ending.
 ///
 /// # Errors
 /// Why a file is not read that is there.
 pub fn included(wanted: &Wanted, folders: &[PathBuf], within: &[&Path]) -> Result<Option<SourceFile>, String> {
-    let beside = Path::new(wanted.from.name()).parent().filter(|_| wanted.quoted).map(Path::to_owned);
+    let own = Path::new(wanted.from.name()).parent();
+    let beside = own.filter(|_| wanted.quoted).map(Path::to_owned);
     // A path from the root is one of the virtual file system of ARB_shading_language_include.
     let path = wanted.path.trim_start_matches('/');
     // Hosts that join the texts name files from the folder of all shaders, which is one around them.
     let here = Path::new(".");
-    let from = beside.iter().map(|folder| if folder.as_os_str().is_empty() { here } else { folder.as_path() });
-    let around = from.flat_map(below_here).skip(1);
+    let from = own.map(|folder| if folder.as_os_str().is_empty() { here } else { folder });
+    let around = from.into_iter().flat_map(below_here).skip(usize::from(wanted.quoted));
     for folder in beside.iter().cloned().chain(folders.iter().cloned()).chain(around) {
         let path = if folder.as_os_str().is_empty() { PathBuf::from(path) } else { folder.join(path) };
         let refusal = || refusal(&path, within).map(|why| Error::new(ErrorKind::InvalidInput, why));

@@ -13,6 +13,6 @@ pub mod table;
 pub use elsewhere::{plain, plain_path};
 pub use hosts::{Budget, hosts_around};
 pub use includes::included;
-pub use modules::{ComposeError, Modules, ancestors};
+pub use modules::{ComposeError, Modules, ancestors, outwards};
 pub use problem::Problem;
 pub use source::{MOST_BYTES, read_source};

@@ -3,7 +3,7 @@
 use base::text::SourceFile;
 use syntax::Stage;
 
-use crate::marks::stage_of_file;
+use crate::marks::{self, stage_of_file};
 use crate::paths::extension;
 use crate::script::SCRIPT_EXTENSIONS;
 
@@ -79,7 +79,12 @@ pub fn language_of(name: &str) -> Option<Language> {
 pub fn stage_of(file: &SourceFile) -> Option<Stage> {
     let Some(Language::Shader(stage)) = language_of(file.name()) else { return None };
     let told = || stage_of_file(file.name(), file.text()).unwrap_or(Stage::Library);
-    Some(if stage == Stage::Library { told() } else { stage })
+    match stage {
+        Stage::Library => Some(told()),
+        // `cs` in a name may mean another thing: what has no work group and the marks of another stage is of that.
+        Stage::Compute => Some(marks::stage(file.text()).ok().flatten().unwrap_or(stage)),
+        stage => Some(stage),
+    }
 }
 
 #[cfg(test)]

@@ -107,8 +107,11 @@ fn run_rules_until(
     all.extend(asked.map(|d| (Level::Strict, d.clone())));
     let in_variants = |shader: &ShaderFile| {
         let found = if shader.conditional { variants::errors(&shader.shader) } else { Vec::new() };
-        let level = |certain| if certain { Level::Default } else { Level::Strict };
-        found.into_iter().map(|(certain, d)| (level(certain), d)).collect::<Vec<_>>()
+        let level = |certain, d: &Diagnostic| match certain && !shader.may_be_of_another_host(d) {
+            true => Level::Default,
+            false => Level::Strict,
+        };
+        found.into_iter().map(|(certain, d)| (level(certain, &d), d)).collect::<Vec<_>>()
     };
     let reported: Vec<&ShaderFile> = project.shaders().filter(|s| s.reported).collect();
     all.par_extend(reported.par_iter().flat_map_iter(|shader| in_variants(shader)));
@@ -145,7 +148,7 @@ fn run_rules_until(
         }
         *diagnostic = diagnostic.clone().in_expansion();
     }
-    composed::to_origin(&mut all);
+    composed::to_origin(&project, &mut all);
     composed::to_templates(&project, &mut all);
     composed::add_refused(&project, &mut all);
     // What the host puts around a text is not the author's.
@@ -186,7 +189,13 @@ fn leave_doubtful_to_strict(project: &Project, told: &mut [(Level, Diagnostic)])
     let marks = open::repeated_marks(project);
     let rewritten: HashSet<&str> = project.shaders().filter(|s| marks.are_in(s)).map(|s| s.file.name()).collect();
     let mut replaced: Option<HashSet<&str>> = None;
+    let mut words: Option<HashSet<&str>> = None;
     for (level, error) in told.iter_mut().filter(|(level, _)| *level == Level::Default) {
+        let rests = |s: &&ShaderFile| s.rests_on_what_is_taken(error.span);
+        if shaders.get(error.file.name()).is_some_and(|all| all.iter().any(rests)) {
+            *level = Level::Strict;
+            continue;
+        }
         let stands = |s: &&&ShaderFile| s.front_end.iter().any(|d| d.code == error.code && d.span == error.span);
         let Some(shader) = shaders.get(error.file.name()).and_then(|all| all.iter().find(stands)) else { continue };
         let about_a_name = open::is_about_a_name(error);
@@ -197,7 +206,10 @@ fn leave_doubtful_to_strict(project: &Project, told: &mut [(Level, Diagnostic)])
             || Fronts::concern(error) && fronts.get_or_insert_with(|| Fronts::of(project)).may_take_away(shader, error);
         let mut in_replaced =
             || replaced.get_or_insert_with(|| open::with_replaced_comments(project)).contains(error.file.name());
-        if doubtful() || (about_a_name && (may_be_supplied() || of_host())) || in_front() || in_replaced() {
+        let mut at_word =
+            || open::is_at_replaced_word(error, words.get_or_insert_with(|| open::replaced_words(project)));
+        if at_word() || doubtful() || (about_a_name && (may_be_supplied() || of_host())) || in_front() || in_replaced()
+        {
             *level = Level::Strict;
         }
     }

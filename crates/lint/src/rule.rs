@@ -122,6 +122,7 @@ impl Rule {
             numbers_of_variants(&others, shader, project, &mut found);
             es.iter().for_each(|es| numbers_of_variants(&of_phones, es, project, &mut found));
             lost_without_highp(rules, shader, project, &mut found);
+            under_conditions(rules, shader, project, &mut found);
             found
         }));
         for rule in rules.iter().take_while(|_| !stop.load(Ordering::Relaxed)) {
@@ -192,6 +193,46 @@ fn numbers_of_variants(
         }
         let starts: BTreeSet<usize> = fresh.iter().map(|s| s.start).collect();
         into.extend(found.into_iter().filter(|(_, d)| starts.contains(&d.span.start)));
+    }
+}
+
+/// What holds in a module of which an engine leaves parts out, whichever it leaves out: it is found in each text that has the
+/// place, and in one at least that asks for no more than one macro. What is not used may be used in another part.
+fn under_conditions(
+    rules: &[&'static Rule],
+    shader: &ShaderFile,
+    project: &Project,
+    into: &mut Vec<(Level, Diagnostic)>,
+) {
+    let texts = shader.settled();
+    let found: Vec<Vec<(Level, Diagnostic)>> = texts
+        .iter()
+        .map(|text| {
+            let mut found: Vec<(Level, Diagnostic)> =
+                text.misfits().map(|error| (Level::Default, error.clone())).collect();
+            for rule in rules.iter().filter(|rule| !rule.code.0.starts_with('D')) {
+                rule.check.on_shader(&text.shader, project, &mut Findings { rule, into: &mut found });
+            }
+            text.shader.forget();
+            found
+        })
+        .collect();
+    let file = shader.author.as_ref().unwrap_or(&shader.file);
+    for (own, _) in found.iter().zip(&texts).filter(|(_, text)| !text.all) {
+        for (level, diagnostic) in own {
+            let same = |(_, d): &(Level, Diagnostic)| d.code == diagnostic.code && d.span == diagnostic.span;
+            let holds = found.iter().zip(&texts).all(|(all, text)| !text.has(diagnostic.span) || all.iter().any(same));
+            if !holds || into.iter().any(same) {
+                continue;
+            }
+            // A repair may be none of the text with other parts.
+            let mut told = Diagnostic { file: file.clone(), fix: None, ..diagnostic.clone() };
+            told.related
+                .iter_mut()
+                .filter(|label| label.file.name() == file.name())
+                .for_each(|l| l.file = file.clone());
+            into.push((*level, told));
+        }
     }
 }
 

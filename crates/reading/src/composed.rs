@@ -54,15 +54,18 @@ impl fmt::Debug for Composer {
 pub fn add_refused(project: &Project, all: &mut Vec<(Level, Diagnostic)>) {
     let mut more: Vec<(Level, Diagnostic)> =
         project.shaders().filter(|s| s.reported).flat_map(|s| s.refused.iter().cloned()).collect();
-    to_origin(&mut more);
+    to_origin(project, &mut more);
     let wrong: HashSet<&str> =
         all.iter().filter(|(_, d)| d.severity == Severity::Error).map(|(_, d)| d.file.name()).collect();
     more.retain(|(_, d)| !wrong.contains(d.file.name()));
     all.extend(more);
 }
 
-/// Brings what is told about joined texts to the files of their authors.
-pub fn to_origin(all: &mut Vec<(Level, Diagnostic)>) {
+/// Brings what is told about joined texts to the files of their authors. Of a module that a script puts together, what is
+/// found in another file is told there: that one may be the root of none.
+pub fn to_origin(project: &Project, all: &mut Vec<(Level, Diagnostic)>) {
+    let put_together: HashSet<&str> =
+        project.shaders().filter(|s| s.is_put_together()).map(|s| s.file.name()).collect();
     all.retain_mut(|(_, diagnostic)| {
         for label in &mut diagnostic.related {
             (label.file, label.span) = label.file.origin(label.span);
@@ -72,7 +75,7 @@ pub fn to_origin(all: &mut Vec<(Level, Diagnostic)>) {
             return true;
         }
         let (file, span) = joined.origin(diagnostic.span);
-        if file.name() != joined.name() {
+        if file.name() != joined.name() && !put_together.contains(joined.name()) {
             return false;
         }
         let edit = |edit: &Edit| {

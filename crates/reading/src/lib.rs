@@ -18,6 +18,7 @@ pub mod prelude;
 pub mod program;
 mod project;
 pub mod relocate;
+mod settled;
 pub mod variants;
 
 pub use composed::{Composed, Composer};
@@ -25,3 +26,4 @@ pub use config::{Config, ProgramEntry, Variant};
 pub use level::Level;
 pub use linked::{HostName, Linked, linked};
 pub use project::{Input, Project, ShaderFile, companions};
+pub use settled::Settled;

@@ -17,7 +17,7 @@ use syntax::{BuiltinFunction, Profile, Shader, Stage, Token, TokenKind, TokenPla
 use super::conditions::{self, Conditions};
 use super::dialect;
 use super::project::{Project, ShaderFile};
-use hosts::marks;
+use hosts::{HostFile, marks};
 
 /// Those of the errors of a text that its host may take away. `stated` is what the host is known to add nothing to.
 pub fn doubtful(shader: &Shader, found: &[Diagnostic], stated: Around) -> Vec<bool> {
@@ -186,7 +186,7 @@ impl<'a> Surroundings<'a> {
     fn is_at_macro(&self, error: &Diagnostic) -> bool {
         let beside = self.open.contains(Around::MACROS)
             && error.code == errors::SYNTAX
-            && (at_macro(self.shader, error) || behind_word(self.shader, error));
+            && (at_macro(self.shader, error) || behind_word(self.shader, error) || at_call(self.shader, error));
         beside
             || is_at_unknown_macro(self.shader, self.conditions, error)
             || is_of_unknown_value(self.shader, &self.asked, error)
@@ -267,6 +267,25 @@ fn behind_word(shader: &Shader, error: &Diagnostic) -> bool {
     let [before, own] = tokens.get(at.saturating_sub(1)..=at).unwrap_or(&[]) else { return false };
     let line = |token: &Token| file.position(token.span.start).line;
     [before, own].iter().all(|token| token.kind == TokenKind::Word) && line(before) == line(own)
+}
+
+/// True for an error in or behind a line outside of all blocks that is a call and ends there, `Declare(1)`: a macro that an
+/// include may define.
+fn at_call(shader: &Shader, error: &Diagnostic) -> bool {
+    let text = shader.file().text();
+    let is_call = |line: &str| {
+        let line = line.split("//").next().unwrap_or(line);
+        let Some((name, arguments)) = line.trim_end().split_once('(') else { return false };
+        let words = ["if", "for", "while", "switch", "return", "layout"];
+        syntax::words::identifier(name) == name.trim_end()
+            && !name.is_empty()
+            && !words.contains(&name.trim_end())
+            && arguments.ends_with(')')
+    };
+    let start = text[..error.span.start].rfind('\n').map_or(0, |at| at + 1);
+    let own = text[start..].lines().next().unwrap_or("");
+    let before = text[..start].lines().rev().find(|line| !line.trim().is_empty());
+    is_call(own) || before.is_some_and(is_call)
 }
 
 /// True for an error at a word in capitals that no text in sight defines: a qualifier or a type, as an engine calls it.
@@ -392,7 +411,16 @@ pub fn declares_elsewhere(shader: &Shader, error: &Diagnostic) -> bool {
 pub fn is_of_host(project: &Project, shader: &Shader, error: &Diagnostic) -> bool {
     let name = error.file.slice(error.span);
     let of_wgsl = shader.wgsl().is_some() && errors::is_name(error.code);
-    of_wgsl && project.hosts().any(|host| host.file.text().contains(name) && marks::has_word(host.file.text(), name))
+    // A module in a string is itself a part of its host file.
+    let own = |host: &HostFile| {
+        let rest = error.file.name().strip_prefix(host.file.name());
+        rest.is_some_and(|rest| rest.starts_with('#')).then(|| error.file.text().matches(name).count()).unwrap_or(0)
+    };
+    let has = |host: &HostFile| {
+        let text = host.file.text();
+        text.contains(name) && marks::has_word(text, name) && text.matches(name).count() > own(host)
+    };
+    of_wgsl && project.hosts().any(has)
 }
 
 /// True for an error that is about a name, or at a macro: something in front may declare it.
@@ -471,6 +499,40 @@ pub fn with_replaced_comments(project: &Project) -> HashSet<&str> {
         comments.into_iter().any(|comment| marks.iter().any(|mark| comment.starts_with(mark)))
     };
     project.shaders().filter(has).map(|shader| shader.file.name()).collect()
+}
+
+/// Words in marks that a host has in quotes and that no shader language has: `"{PRECISION}"`, `'%COUNT%'`. The host puts
+/// something in their place.
+pub fn replaced_words(project: &Project) -> HashSet<&str> {
+    project.hosts().flat_map(|host| quoted_words(host.file.text())).collect()
+}
+
+/// True for an error of the grammar at a word that a host replaces.
+pub fn is_at_replaced_word(error: &Diagnostic, words: &HashSet<&str>) -> bool {
+    let text = error.file.text();
+    let near = |word: &&str| {
+        let start = (error.span.start + 1).saturating_sub(word.len());
+        let from = (start..=error.span.start).find(|at| text.is_char_boundary(*at)).unwrap_or(error.span.start);
+        text.get(from..).is_some_and(|rest| rest.find(*word).is_some_and(|at| from + at <= error.span.start))
+    };
+    errors::is_of_the_text(error.code) && words.iter().any(near)
+}
+
+/// Words of capitals in braces or the like, in quotes.
+fn quoted_words(text: &str) -> impl Iterator<Item = &str> {
+    let quoted = |(at, open): (usize, &str)| {
+        let quote = text[..at].chars().next_back().filter(|c| ['"', '\'', '`'].contains(c))?;
+        let inside = text[at..].split([quote, '\n', '\\']).next()?;
+        let close = match open {
+            "{" => "}",
+            "[" => "]",
+            "<" => ">",
+            other => other,
+        };
+        let word = inside.trim_start_matches(open).trim_end_matches(close);
+        (inside.ends_with(close) && word.len() + 1 < inside.len() && word.len() > 1 && is_macro(word)).then_some(inside)
+    };
+    text.match_indices(['{', '[', '<', '%', '@', '$']).filter_map(quoted)
 }
 
 /// Comments in quotes that have a word in capitals.

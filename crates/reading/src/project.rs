@@ -1,5 +1,6 @@
 //! The files of one run, read once: shaders with their interface, host files with their tree.
 
+mod filled;
 mod kept;
 mod printed;
 mod shader;
@@ -28,6 +29,8 @@ use hosts::script::Given;
 use hosts::sections::{sections, template};
 use hosts::{HostFile, HostTree, ShaderRef};
 
+use filled::ByPath;
+
 pub use shader::ShaderFile;
 
 /// True for a text that other tools write in another language under an ending that GLSL shares with them: engines
@@ -40,11 +43,20 @@ fn is_other_language(path: &str, text: &str) -> bool {
     match extension(path).to_ascii_lowercase().as_str() {
         "shader" => true,
         "vp" | "fp" | "cont" | "eval" => !hosts::marks::has_main(text) && !text.contains("#version"),
+        // F# has the ending of fragment shaders, and ends no statement.
+        "fs" | "vs" | "gs" if !hosts::marks::has_main(text) => ends_nothing(text),
         _ => {
             let of_hlsl = path.split(['/', '\\']).any(|folder| folder.eq_ignore_ascii_case("hlsl"));
             of_hlsl && syntax::looks_like(text, Looks::Glsl).is_some_and(|(other, _)| other == Looks::Hlsl)
         }
     }
+}
+
+/// True for a text with code in which no semicolon ends a line or a block.
+fn ends_nothing(text: &str) -> bool {
+    let code = hosts::marks::without_comments(text);
+    let lines = || code.lines().map(str::trim).filter(|line| !line.is_empty());
+    lines().any(|line| !line.starts_with('#')) && !lines().any(|line| line.ends_with(';') || line.contains("; }"))
 }
 
 /// What is known of the hosts of a project before its texts are read.
@@ -266,7 +278,7 @@ impl Project {
         let wrappers = wrappers_of_project(project.hosts.by_path.values());
         project.hosts.by_path.values_mut().for_each(|h| h.add_wrappers(&wrappers));
         let by_path: HashMap<String, &Input> =
-            files.iter().filter(|i| i.kept.is_some()).map(|i| (normalise(i.file.name()), i)).collect();
+            files.iter().map(|input| (normalise(input.file.name()), input)).collect();
         for (path, host) in &mut project.hosts.by_path {
             if let Some(input) = by_path.get(path) {
                 input.recall(host);
@@ -281,7 +293,26 @@ impl Project {
             })
             .collect();
         project.embedded.extend(embedded);
+        project.put_together(files);
         project
+    }
+
+    /// Adds the modules that scripts put together of templates.
+    fn put_together(&mut self, files: &[Input]) {
+        if !self.hosts.by_path.values().any(HostFile::is_script) {
+            return;
+        }
+        let files: ByPath<'_> = files.iter().map(|input| (normalise(input.file.name()), input)).collect();
+        let hosts: Vec<(&String, &HostFile)> = self.hosts.by_path.iter().collect();
+        let found: Vec<((String, usize), Arc<ShaderFile>)> = hosts
+            .into_par_iter()
+            .flat_map_iter(|(path, host)| {
+                let all = kept::put_together(host, &files);
+                let first = host.embedded().len();
+                all.into_iter().enumerate().map(move |(index, shader)| ((path.clone(), first + index), shader))
+            })
+            .collect();
+        self.embedded.extend(found);
     }
 
     /// What the project says about itself.

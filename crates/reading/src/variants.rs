@@ -2,7 +2,7 @@
 
 use std::cell::OnceCell;
 
-use base::diagnostic::Diagnostic;
+use base::diagnostic::{Diagnostic, Lang, Message};
 use base::text::Span;
 use syntax::errors::Around;
 use syntax::{Parsed, Shader, TokenPlace, errors};
@@ -59,7 +59,7 @@ pub fn errors(shader: &Shader) -> Vec<(bool, Diagnostic)> {
             let own = error.code == errors::SYNTAX && defines.iter().any(|(macro_name, _)| macro_name == name);
             let on_request = !many && (unknown || of_types || own);
             if certain || on_request {
-                found.push((certain, error.clone()));
+                found.push((certain, where_defined(error.clone(), &defines)));
             }
         }
         tried.push(parsed);
@@ -69,6 +69,15 @@ pub fn errors(shader: &Shader) -> Vec<(bool, Diagnostic)> {
         tried.iter().all(holds)
     });
     found
+}
+
+/// The error, with the macros for which it stands.
+fn where_defined(error: Diagnostic, defines: &[(String, String)]) -> Diagnostic {
+    let names: Vec<String> = defines.iter().map(|(name, _)| format!("`{name}`")).collect();
+    let [en, ja] = [Lang::En, Lang::Ja].map(|lang| error.message.in_lang(lang).to_owned());
+    let (are, all) = (if names.len() == 1 { "is" } else { "are" }, names.join(", "));
+    let message = Message::new(format!("where {all} {are} defined: {en}"), format!("{all} が定義されている場合：{ja}"));
+    Diagnostic { message, fix: None, ..error }
 }
 
 /// True for a place that is compiled.

@@ -4,6 +4,8 @@ mod actions;
 #[cfg(feature = "run")]
 pub mod check;
 #[cfg(feature = "run")]
+pub mod ci;
+#[cfg(feature = "run")]
 pub mod compare;
 pub mod diagnostics;
 #[cfg(feature = "run")]

@@ -67,7 +67,7 @@ errors! {
     TOO_DEEP = "E004" [NOTHING] "the text is larger, or nested deeper, than what is read";
     UNKNOWN_DIRECTIVE = "E010" [GRAMMAR | WHOLE] "a directive that the language does not have";
     CONDITIONAL = "E011" [GRAMMAR | WHOLE] "an #if without #endif, or an #else, #elif or #endif without #if";
-    DIRECTIVE = "E012" [GRAMMAR | WHOLE] "a directive that is written wrongly";
+    DIRECTIVE = "E012" [GRAMMAR | MACROS | WHOLE] "a directive that is written wrongly";
     ERROR_DIRECTIVE = "E013" [MACROS | WHOLE] "an #error that is reached";
     MACRO = "E014" [MACROS | TYPES | WHOLE] "a macro used with a wrong number of arguments, or one that expands without end";
     INCLUDE = "E015" [NAMES | WHOLE] "an #include, which compilers do not know; hosts often resolve it";
@@ -114,7 +114,7 @@ errors! {
     TOO_FEW = "T002" [NOTHING] "a constructor gets too few components";
     ASSIGN_SIZE = "T003" [VALUES] "a vector or scalar is assigned to one of another size";
     MATRIX_SIZE = "T004" [NOTHING] "a matrix is multiplied by a matrix or vector of a size that does not fit";
-    IMPLICIT_FLOAT = "T006" [TYPES] "an integer stands where a `float` is needed, in a version without implicit conversions";
+    IMPLICIT_FLOAT = "T006" [TYPES | VALUES] "an integer stands where a `float` is needed, in a version without implicit conversions";
     FLOAT_SUFFIX = "T007" [TYPES] "the suffix `f` in a version that does not have it";
     SCALAR_SWIZZLE = "T008" [TYPES] "a scalar is swizzled";
     SWIZZLE = "T009" [NOTHING] "a swizzle takes a component that is not there, mixes naming sets, or is too long";

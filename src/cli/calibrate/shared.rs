@@ -83,6 +83,6 @@ impl Printed for ShardResult {
             "the shards measured {measured}, and this machine has {here}; merge where the device is"
         );
         let output = PathBuf::from(parameter(OUTPUT).map_or("measured.profile.toml", String::as_str));
-        conclude(&self.0, &output, lane.as_ref(), to.json, to.out)
+        conclude(&self.0, &output, lane.as_ref(), !to.format.is_text(), to.out)
     }
 }

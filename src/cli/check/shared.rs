@@ -147,7 +147,7 @@ impl Join for ShardResult {
 
 impl Printed for ShardResult {
     fn print(self, to: Printing<'_>) -> anyhow::Result<ExitStatus> {
-        let (json, color) = (to.json, to.color);
+        let (format, color) = (to.format, to.color);
         let (seed, lanes, asked, required) = (to.identity.seed, self.lanes, self.asked, self.required);
         let [asked, required] = [asked, required].map(|names| names.into_iter().collect());
         let mut summary = Summary { seed, lanes, asked, required, ..Summary::default() };
@@ -158,13 +158,13 @@ impl Printed for ShardResult {
             let (suite, shader, on) = (report.suite.clone(), report.shader.clone(), (report.lane, report.stage));
             let mut entry = Entry { suite, shader, on: Some(on), outcome: Outcome::Ran(Box::new(report)) };
             expectations.apply(number, &mut entry, &summary.lanes);
-            if !json {
+            if format.is_text() {
                 to.out.write_all(report::check::line(&entry, color).as_bytes())?;
             }
             summary.entries.push(entry);
         }
         summary.stale = expectations.stale();
-        super::print(&summary, json, color, to.out)?;
+        super::print(&summary, format, color, to.out)?;
         super::concluded(&summary, to.err)
     }
 }

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::twins::{Twin, Twins};
 use super::{CompareArgs, Given, Hosts, IncludedText, command, is_broken, made, version};
 use crate::cli::fuzz::Inputs;
+use crate::cli::reported;
 use crate::cli::shard::{Printed, Printing, Terminal};
 use crate::cli::status::ExitStatus;
 use crate::cli::waiting::Waiting;
@@ -19,7 +20,7 @@ use engine::session::{At, Job, Join, Seen, Unlike};
 use engine::shard::Identity;
 use judge::profile::Profile;
 use lanes::Lane;
-use report::compare::{TwinReport, Twins as Summary, twins_json, twins_text};
+use report::compare::{TwinReport, Twins as Summary, twins_ci, twins_json, twins_text};
 
 /// How the parts of such a run are called.
 pub const COMMAND: &str = "compare twins";
@@ -34,11 +35,12 @@ pub(super) fn run(
     (out, err): (&mut dyn Write, &mut dyn Write),
     color: bool,
 ) -> anyhow::Result<ExitStatus> {
-    args.sharing.shard()?;
-    let of_one = [("--function", !args.function.is_empty()), ("--report-dir", args.report_dir.is_some())];
-    if let Some((option, _)) = of_one.iter().find(|(_, given)| *given) {
-        anyhow::bail!("{option} is for two files: name them");
-    }
+    let shard = args.sharing.shard()?;
+    anyhow::ensure!(args.function.is_empty(), "--function is for two files: name them");
+    anyhow::ensure!(
+        shard.is_none() || args.report_dir.is_none(),
+        "--shard does a part of the files; --report-dir is for a run without it"
+    );
     let _waiting = Waiting::begin();
     let stated = args.input.domains()?;
     let profiles = super::profiles(args)?;
@@ -46,7 +48,8 @@ pub(super) fn run(
     let opened = if args.lane.is_empty() { Vec::new() } else { crate::cli::lanes::opened(&args.lane, false)? };
     let lanes: Vec<&dyn Lane> = opened.iter().map(AsRef::as_ref).collect();
     let names = |paths: &[PathBuf]| paths.iter().map(|path| path.shown().to_string()).collect::<Vec<_>>();
-    let part = ShardResult { alone: twins.alone.each_ref().map(|side| names(side)), twins: Vec::new() };
+    let alone = twins.alone.each_ref().map(|side| names(side));
+    let part = ShardResult { alone, twins: Vec::new(), reports: args.report_dir.clone() };
     let key = |shards| identity(args, shards, twins, &lanes);
     let mut all = All {
         args,
@@ -186,6 +189,9 @@ impl Job for All<'_> {
 pub struct ShardResult {
     alone: [Vec<String>; 2],
     twins: Vec<(u64, TwinReport)>,
+    /// Where the reports of a whole run go.
+    #[serde(skip)]
+    reports: Option<PathBuf>,
 }
 
 impl Join for ShardResult {
@@ -205,7 +211,11 @@ impl Printed for ShardResult {
     fn print(self, mut to: Printing<'_>) -> anyhow::Result<ExitStatus> {
         let twins = self.twins.into_iter().map(|(_, twin)| twin).collect();
         let summary = Summary { seed: to.identity.seed, twins, alone: self.alone };
-        let printed = if to.json { twins_json(&summary) } else { twins_text(&summary, to.color) };
+        if let Some(folder) = &self.reports {
+            reported::write_all(folder, &twins_ci(&summary), &twins_json(&summary))?;
+        }
+        let printed = to.format.of(|| twins_ci(&summary), || twins_json(&summary))?;
+        let printed = printed.unwrap_or_else(|| twins_text(&summary, to.color));
         to.out.write_all(printed.as_bytes())?;
         Ok(if let Some(status) = to.ended()? {
             status

@@ -2,12 +2,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
+use std::path::PathBuf;
 use std::vec;
 
 use serde::{Deserialize, Serialize};
 
 use super::{FuzzArgs, IncludedText, Inputs, all_known, command, stub, subjects};
 use crate::cli::improve;
+use crate::cli::reported;
 use crate::cli::shard::{Absent, Printed, Printing, Terminal, Watch};
 use crate::cli::status::ExitStatus;
 use base::diagnostic::{Diagnostic, Lang};
@@ -16,7 +18,7 @@ use engine::session::{At, Job, Join, Observer, Unlike};
 use engine::shard::Identity;
 use judge::profile::Promises;
 use lanes::{Description, Lane, Unavailable, interrupt};
-use report::fuzz::{FileReport, Summary, findings, json, line, totals};
+use report::fuzz::{FileReport, Summary, ci, findings, json, line, totals};
 
 /// The name of the parameter that says whether notes are shown.
 const NOTES: &str = "--notes";
@@ -182,18 +184,19 @@ impl<'a> Watch<'a> for Lines<'a> {
 
 impl Observer<Functions<'_>> for Lines<'_> {
     fn event(&mut self, event: Event<'_>) -> anyhow::Result<()> {
-        let Terminal { bar, json, out, err, .. } = &mut self.terminal;
+        let Terminal { bar, format, out, err, .. } = &mut self.terminal;
+        let people = format.is_text();
         match event {
             Event::Function { what, on, steps } => bar.start(what, on, steps),
             Event::File(source, errors) => bar.suspend(|| {
-                if !*json || !self.whole {
+                if people || !self.whole {
                     source.notes().iter().try_for_each(|note| writeln!(err, "note: {note}"))?;
                 }
                 if !self.whole {
                     let shown = |error| report::diagnostics::text(error, Lang::En, false);
                     errors.iter().try_for_each(|error| err.write_all(shown(error).as_bytes()))?;
                 }
-                if !*json && self.whole && self.many { writeln!(out, "{}", source.name) } else { Ok(()) }
+                if people && self.whole && self.many { writeln!(out, "{}", source.name) } else { Ok(()) }
             })?,
         }
         Ok(())
@@ -203,9 +206,9 @@ impl Observer<Functions<'_>> for Lines<'_> {
         if !self.whole {
             return Ok(());
         }
-        let Terminal { bar, json, color, out, err } = &mut self.terminal;
+        let Terminal { bar, format, color, out, err } = &mut self.terminal;
         for (_, file, function) in part.functions.iter().skip(self.told) {
-            if !*json {
+            if format.is_text() {
                 bar.suspend(|| {
                     out.write_all(line(function, *color).as_bytes())?;
                     out.flush()
@@ -230,6 +233,9 @@ pub struct ShardResult {
     files: Vec<File>,
     /// Each with its number in the run and its file.
     functions: Vec<(u64, usize, FunctionReport)>,
+    /// Where the reports of a whole run go.
+    #[serde(skip)]
+    reports: Option<PathBuf>,
 }
 
 /// A file of the run.
@@ -248,6 +254,12 @@ impl ShardResult {
         let lanes = lanes.iter().map(|lane| lane.description().clone()).collect();
         let asked = asked.iter().cloned().collect();
         Self { lanes, unavailable: Absent::new(missing), asked, ..Self::default() }
+    }
+
+    /// The same, with a folder for the reports.
+    #[must_use]
+    pub fn with_reports(self, folder: Option<PathBuf>) -> Self {
+        Self { reports: folder, ..self }
     }
 
     /// The lanes that run.
@@ -280,8 +292,11 @@ impl Printed for ShardResult {
         for (_, file, function) in self.functions {
             summary.files[file].functions.push(function);
         }
-        if to.json {
-            to.out.write_all(json(&summary).as_bytes())?;
+        if let Some(folder) = &self.reports {
+            reported::write_all(folder, &ci(&summary), &json(&summary))?;
+        }
+        if let Some(text) = to.format.of(|| ci(&summary), || json(&summary))? {
+            to.out.write_all(text.as_bytes())?;
             return status_of(&summary, to.err);
         }
         for file in summary.files.iter().filter(|_| !to.live) {

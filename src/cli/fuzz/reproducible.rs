@@ -3,7 +3,8 @@
 use std::io::Write;
 
 use super::{FuzzArgs, IncludedText, Inputs, all_known, command, subjects};
-use crate::cli::check::{Format, profile};
+use crate::cli::check::profile;
+use crate::cli::reported::Reported;
 use crate::cli::status::ExitStatus;
 use base::diagnostic::Lang;
 use engine::fuzz::Stated;
@@ -74,8 +75,11 @@ pub(super) fn run(
         inputs.all_used()?;
     }
     let printed = match args.format {
-        Format::Json => json(&summary),
-        Format::Text => text(&summary, color),
+        Reported::Json => json(&summary),
+        Reported::Text => text(&summary, color),
+        Reported::Service(service) => {
+            anyhow::bail!("--reproducible has no findings for `{}`: text or json", service.name)
+        }
     };
     out.write_all(printed.as_bytes())?;
     Ok(if let Some(signal) = interrupt::signal() {

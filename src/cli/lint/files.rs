@@ -13,12 +13,13 @@ use thiserror::Error;
 use base::text::{Decoded, Encoding, Form, Shown, SourceFile, TextError, decode_western};
 use disk::{MOST_BYTES, read_source};
 use hosts::document::{DOCUMENT_EXTENSIONS, is_document};
+use hosts::marks;
 use hosts::script::SCRIPT_EXTENSIONS;
 use hosts::{HOST_EXTENSIONS, Language, SHADER_EXTENSIONS, language_of};
 use lint::Input;
 use lint::fix::FixedFile;
-use reading::companions;
-use syntax::Stage;
+use reading::{Config, Project, companions};
+use syntax::{Stage, errors};
 
 use super::modules;
 use super::write::{WriteError, replace};
@@ -103,6 +104,8 @@ pub struct Loaded {
     pub inputs: Vec<Input>,
     /// The stage of shader files that are named, where it is stated.
     stage: Option<Stage>,
+    /// Stages that the texts of found files say, whose endings say nothing.
+    told: BTreeMap<PathBuf, Stage>,
     /// Folders in which imported files are looked for.
     folders: Vec<PathBuf>,
     /// What could not be read.
@@ -204,7 +207,8 @@ pub fn load(paths: &[PathBuf], stage: Option<Stage>, folders: &[PathBuf]) -> any
             Err(source) => loaded.problems.push(InputError::Unreadable { path: path.clone(), source }),
             Ok(meta) if meta.is_dir() => {
                 loaded.is_folder = true;
-                let found = search(path, &mut loaded.problems);
+                let (found, told) = search(path, &mut loaded.problems);
+                loaded.told.extend(told);
                 if found.iter().all(|file| language_of(&name(file)).is_none() && !lacks_rules(file)) {
                     searched.push(path.clone());
                 }
@@ -223,6 +227,7 @@ pub fn load(paths: &[PathBuf], stage: Option<Stage>, folders: &[PathBuf]) -> any
         "--stage says the stage of shader files that are named, and none is: name the file by itself"
     );
     add_companions(&mut loaded);
+    add_declaring(&mut loaded);
     Ok(loaded)
 }
 
@@ -262,7 +267,7 @@ fn take(wanted: Vec<(PathBuf, bool)>, loaded: &mut Loaded) {
             Some(Language::Wgsl | Language::Host | Language::Script) => false,
             None => !is_document(file),
         };
-        let stage = loaded.stage.filter(|_| named);
+        let stage = loaded.stage.filter(|_| named).or_else(|| loaded.told.get(&path).copied());
         match text {
             Ok(Decoded { file, .. }) if stage.is_none() && language.is_none() && !is_document(&file) => match named {
                 // Of a text by its name it is not clear that it is a document.
@@ -288,7 +293,9 @@ fn take(wanted: Vec<(PathBuf, bool)>, loaded: &mut Loaded) {
                     Some(Language::Wgsl | Language::Shader(_)) => input.composed_by(composer.clone()),
                     // Stages in one file include others as a shader does; a listing in prose tells of files that need not be here.
                     None if shares_its_ending => input.composed_by(composer.clone()),
-                    Some(Language::Host | Language::Script) | None => input,
+                    // Modules in its strings.
+                    Some(Language::Script) => input.composed_by(composer.clone()),
+                    Some(Language::Host) | None => input,
                 };
                 loaded.inputs.push(match stage {
                     Some(stage) => input.with_stage(stage),
@@ -331,6 +338,44 @@ fn add_companions(loaded: &mut Loaded) {
     }
 }
 
+/// Adds files of the project that have names which the named files lack, so that these are read as with their folder: what is
+/// put in front of a text stands in a file of its own, and a hook before a commit names the changed files alone.
+fn add_declaring(loaded: &mut Loaded) {
+    if loaded.is_folder {
+        return;
+    }
+    let project = Project::new(&loaded.inputs, &Config::default());
+    let lacking = project.shaders().filter(|shader| shader.reported).flat_map(|shader| &shader.front_end);
+    let lacking = lacking.filter(|error| errors::is_name(error.code)).map(|error| error.file.slice(error.span));
+    let names: BTreeSet<String> = lacking.filter(|name| !name.is_empty()).map(str::to_owned).collect();
+    if names.is_empty() {
+        return;
+    }
+    let roots: BTreeSet<PathBuf> = loaded.sources.values().filter_map(|source| root_of(&source.path)).collect();
+    for root in roots {
+        let (found, _) = search(&root, &mut Vec::new());
+        let has_name = |path: &&PathBuf| {
+            let text = read(path).ok().map(|decoded| decoded.file);
+            text.is_some_and(|file| names.iter().any(|name| marks::has_word(file.text(), name)))
+        };
+        let declaring: Vec<PathBuf> = found.par_iter().take(MOST_AROUND).filter(has_name).cloned().collect();
+        for path in declaring {
+            loaded.name_of(&path);
+        }
+    }
+}
+
+/// Files of a project that are looked through for names.
+const MOST_AROUND: usize = 5000;
+
+/// The folder of the project that a file belongs to: that of git or of a manifest, or else the one that we are in.
+fn root_of(path: &Path) -> Option<PathBuf> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let (around, project) = disk::outwards(folder);
+    let here = || around.iter().position(|folder| folder.as_os_str() == ".");
+    around.get(project.or_else(here)?).cloned()
+}
+
 fn identity(path: &Path) -> PathBuf {
     fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
 }
@@ -361,11 +406,12 @@ fn read(path: &Path) -> Result<Decoded, InputError> {
     Ok(decoded)
 }
 
-/// Files below a folder with a known ending, sorted. Hidden files and those that `.gitignore` and
+/// Files below a folder with a known ending, sorted, and with the stages that their texts say, those with another ending that
+/// have the name of a shader beside them: `fire.gem` beside `fire.vert` and `fire.frag`. Hidden files and those that `.gitignore` and
 /// `.ignore` name are left out, and links to folders are not followed: they could lead round in a
 /// circle.
-fn search(folder: &Path, problems: &mut Vec<InputError>) -> Vec<PathBuf> {
-    let found: Mutex<(Vec<PathBuf>, Vec<String>)> = Mutex::default();
+fn search(folder: &Path, problems: &mut Vec<InputError>) -> (Vec<PathBuf>, BTreeMap<PathBuf, Stage>) {
+    let found: Mutex<(Vec<PathBuf>, Vec<String>, Vec<PathBuf>)> = Mutex::default();
     let walk = WalkBuilder::new(folder).require_git(false).git_global(false).build_parallel();
     walk.run(|| {
         Box::new(|entry| {
@@ -376,17 +422,30 @@ fn search(folder: &Path, problems: &mut Vec<InputError>) -> Vec<PathBuf> {
                 {
                     found.0.push(entry.into_path());
                 }
+                Ok(entry) if entry.path().extension().is_some() && entry.path().is_file() => {
+                    found.2.push(entry.into_path());
+                }
                 Ok(_) => {}
                 Err(error) => found.1.push(error.to_string()),
             }
             WalkState::Continue
         })
     });
-    let (mut files, mut errors) = found.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let (mut files, mut errors, others) = found.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let called = |path: &Path| path.with_extension("");
+    let staged = |path: &&PathBuf| Stage::from_path(&name(path)).is_some_and(|stage| stage != Stage::Library);
+    let shaders: BTreeSet<PathBuf> = files.iter().filter(staged).map(|path| called(path)).collect();
+    let told: BTreeMap<PathBuf, Stage> = others
+        .into_iter()
+        .filter(|path| shaders.contains(&called(path)))
+        .filter_map(|path| Some((marks::stage(read(&path).ok()?.file.text()).ok()??, path)))
+        .map(|(stage, path)| (path, stage))
+        .collect();
+    files.extend(told.keys().cloned());
     files.sort();
     errors.sort();
     problems.extend(errors.into_iter().map(|message| InputError::Unsearchable { path: folder.to_owned(), message }));
-    files
+    (files, told)
 }
 
 /// True for a shader in a language that no rule reads.

@@ -234,3 +234,65 @@ fn the_arguments_are_well_formed() {
     let here = Cli::try_parse_from(["lint"]).unwrap();
     assert_eq!(here.lint.paths, [PathBuf::from(".")]);
 }
+
+#[test]
+fn a_stage_with_another_ending_is_found_by_its_name_and_its_text() {
+    let vertex = "#version 410\nlayout(location = 0) in vec3 p;\nvoid main() { gl_Position = vec4(p, 1.0); }\n";
+    let geometry = "#version 410\nlayout(points) in;\nlayout(points, max_vertices = 1) out;\nout vec2 uv;\n\
+                    void main() { uv = vec2(0.5); gl_Position = gl_in[0].gl_Position; EmitVertex(); }\n";
+    let fragment = "#version 410\nin vec2 uv;\nout vec4 c;\nvoid main() { c = vec4(uv, 0.0, 1.0); }\n";
+    let host = "void f() { load(\"s/fire.vert\", \"s/fire.frag\", \"s/fire.gem\"); }\n";
+    let shaders = [("s/fire.vert", vertex), ("s/fire.frag", fragment)];
+    let with = |more: &[(&str, &str)]| {
+        let files: Vec<(&str, &[u8])> =
+            shaders.iter().chain(more).map(|(name, text)| (*name, text.as_bytes())).collect();
+        let folder = folder(&files);
+        lint(&at(&folder, ""), |_| {}).out
+    };
+    assert!(with(&[]).contains("error[I001"), "{}", with(&[]));
+    for more in [&[("s/fire.gem", geometry)][..], &[("s/fire.gem", geometry), ("a.cpp", host)]] {
+        assert!(!with(more).contains("I001"), "{}", with(more));
+    }
+    // A text that is no stage stands between nothing.
+    assert!(with(&[("s/fire.txt2", "the fire\n")]).contains("error[I001"));
+}
+
+#[test]
+fn a_file_that_is_named_is_read_as_with_its_project() {
+    let shader = "#version 460\nin vec2 uv;\nout vec4 color;\nvoid main() { color = vec4(fbm(uv, 5)); }\n";
+    let library = "float fbm(vec2 p, int n) { return fract(dot(p, p) * float(n)); }\n";
+    let with = |more: &[(&str, &str)]| {
+        let files: Vec<(&str, &[u8])> =
+            [("nodes/a.frag", shader)].iter().chain(more).map(|(name, text)| (*name, text.as_bytes())).collect();
+        let folder = folder(&files);
+        fs::create_dir(folder.path().join(".git")).unwrap();
+        lint(&at(&folder, "nodes/a.frag"), |_| {}).out
+    };
+    assert!(with(&[]).contains("E021"), "{}", with(&[]));
+    assert_eq!(with(&[("lib/noise.glsl", library)]), "");
+    // A file that has the name and does not put it in front takes nothing away.
+    assert!(with(&[("lib/noise.glsl", "float other(float x) { return x; }\n")]).contains("E021"));
+}
+
+#[test]
+#[cfg(feature = "run")]
+fn a_module_in_a_string_is_read_as_one_in_a_file() {
+    let text = |value: &str| {
+        format!(
+            "const code = `\n@fragment\nfn fs() -> @location(0) vec4f {{\n  let gain = 1.0;\n  return vec4f({value}, gain, 0.0, 1.0);\n}}\n`;\n\
+             const module = device.createShaderModule({{ code }});\n"
+        )
+    };
+    let told = |text: &str| {
+        let folder = folder(&[("a.ts", text.as_bytes())]);
+        lint(&at(&folder, ""), |_| {}).out
+    };
+    let unknown = told(&text("nope"));
+    assert!(unknown.contains("a.ts:5:16: error[E020]") && unknown.contains("`nope`"), "{unknown}");
+    assert!(told(&text("vec2f(1.0).z")).contains("a.ts:5:"), "{}", told(&text("vec2f(1.0).z")));
+    assert_eq!(told(&text("gain")), "");
+    // What a constant fills in is known as well; what the program gives is not.
+    let filled = text("${SCALE} * nope").replacen("const", "const SCALE = 2.0;\nconst", 1);
+    assert!(told(&filled).contains("a.ts:6:") && told(&filled).contains("`nope`"), "{}", told(&filled));
+    assert_eq!(told(&text("${scale()} * nope")), "");
+}

@@ -9,8 +9,8 @@ use anyhow::Context;
 use serde_json::json;
 
 use super::{files, generate};
-use crate::cli::check::Format as Shown;
 use crate::cli::merge::MergeArgs;
+use crate::cli::reported::Reported;
 use crate::cli::status::ExitStatus;
 use base::text::Shown as _;
 use disk::fresh;
@@ -108,8 +108,11 @@ pub fn run(args: &MergeArgs, paths: Vec<PathBuf>, out: &mut dyn Write) -> anyhow
         all.push(Joined { document, parts, file: file.map(|(path, _)| path) });
     }
     match args.format {
-        Shown::Text => text(&all, out)?,
-        Shown::Json => writeln!(out, "{:#}", listing(&all))?,
+        Reported::Text => text(&all, out)?,
+        Reported::Json => writeln!(out, "{:#}", listing(&all))?,
+        Reported::Service(service) => {
+            anyhow::bail!("reference data has no findings for `{}`: --format is text or json", service.name)
+        }
     }
     out.flush()?;
     Ok(ExitStatus::Clean)

@@ -9,111 +9,73 @@ use judge::verdict::{BatchVerdict, Reason};
 use lanes::LaneName;
 use serde::{Deserialize, Serialize};
 
-/// What is wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum FuzzFindingKind {
-    /// A lane gives something else than the function means.
-    LaneDeviation,
-    /// A lane gives different outputs for the same inputs.
-    NotDeterministic,
-    /// Invocations of a lane disturb each other: what the same inputs give depends on what stands beside them.
-    Disturbed,
-    /// A lane could not run the function to its end.
-    LaneFailed,
-    /// An output has no value.
-    NoValue,
-    /// An output is infinite.
-    Infinite,
-    /// A value on the way is too large for binary32, and the output is not.
-    Overflow,
-    /// A value on the way is too small for binary32, and that is lost in the output.
-    Underflow,
-    /// Rounding on the way leaves binary32 without a value where real numbers have one.
-    Lost,
-    /// An output is not written.
-    NotWritten,
-    /// More vertices than `max_vertices`.
-    TooManyVertices,
-    /// A loop does not end in reasonable time.
-    Endless,
-    /// A variable that is read before it has a value, or a function that ends without `return`.
-    Unset,
-    /// An operation on arguments for which the language leaves its value undefined.
-    Undefined,
-    /// An index outside of its array.
-    Index,
-    /// An integer divided by zero.
-    DivisionByZero,
-    /// A shift by 32 or more.
-    Shift,
-    /// A number that does not fit the integer that it is converted to.
-    Conversion,
-    /// A signed integer that does not fit.
-    IntegerOverflow,
-    /// Two invocations of a dispatch touch one place in memory, and nothing comes between.
-    Race,
-    /// A barrier that not all invocations of a workgroup reach.
-    Divergence,
-    /// What a dispatch gives depends on how many invocations make a subgroup.
-    SubgroupWidth,
-    /// What a dispatch gives depends on the order in which invocations come to atomic functions.
-    Order,
-    /// Rounding is enlarged so much that an output has few right digits.
-    IllConditioned,
-    /// An output crosses zero, where no formula keeps all of its digits.
-    ZeroCrossing,
-    /// An output is too large for binary32.
-    TooLarge,
-    /// An output is made of rounding errors, which a device may regroup away.
-    RoundingOrder,
-    /// A value is too large for `mediump`.
-    MediumpOverflow,
-    /// A value is so small that `mediump` takes it for 0.
-    MediumpUnderflow,
-    /// An operation needs digits that `mediump` does not have.
-    MediumpDigits,
+/// Declares kinds of findings with their names in reports and a sentence about each.
+macro_rules! kinds {
+    ($($kind:ident = $name:literal $about:literal;)+) => {
+        /// What is wrong.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+        pub enum FuzzFindingKind {
+            $(#[doc = $about] $kind,)+
+        }
+
+        impl FuzzFindingKind {
+            /// All of them.
+            pub const ALL: &'static [Self] = &[$(Self::$kind),+];
+
+            /// Name in reports.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$kind => $name,)+
+                }
+            }
+
+            /// What it means, in a sentence.
+            pub fn about(self) -> &'static str {
+                match self {
+                    $(Self::$kind => $about,)+
+                }
+            }
+        }
+    };
+}
+
+kinds! {
+    LaneDeviation = "lane_deviation" "A lane gives something else than the function means.";
+    NotDeterministic = "not_deterministic" "A lane gives different outputs for the same inputs.";
+    Disturbed = "disturbed" "Invocations of a lane disturb each other: what the same inputs give depends on what stands beside them.";
+    LaneFailed = "lane_failed" "A lane could not run the function to its end.";
+    NoValue = "no_value" "An output has no value.";
+    Infinite = "infinite" "An output is infinite.";
+    Overflow = "overflow" "A value on the way is too large for binary32, and the output is not.";
+    Underflow = "underflow" "A value on the way is too small for binary32, and that is lost in the output.";
+    Lost = "lost" "Rounding on the way leaves binary32 without a value where real numbers have one.";
+    NotWritten = "not_written" "An output is not written.";
+    TooManyVertices = "too_many_vertices" "More vertices than `max_vertices`.";
+    Endless = "endless" "A loop does not end in reasonable time.";
+    Unset = "unset" "A variable that is read before it has a value, or a function that ends without `return`.";
+    Undefined = "undefined" "An operation on arguments for which the language leaves its value undefined.";
+    Index = "index" "An index outside of its array.";
+    DivisionByZero = "division_by_zero" "An integer divided by zero.";
+    Shift = "shift" "A shift by 32 or more.";
+    Conversion = "conversion" "A number that does not fit the integer that it is converted to.";
+    IntegerOverflow = "integer_overflow" "A signed integer that does not fit.";
+    Race = "race" "Two invocations of a dispatch touch one place in memory, and nothing comes between.";
+    Divergence = "divergence" "A barrier that not all invocations of a workgroup reach.";
+    SubgroupWidth = "subgroup_width" "What a dispatch gives depends on how many invocations make a subgroup.";
+    Order = "order" "What a dispatch gives depends on the order in which invocations come to atomic functions.";
+    IllConditioned = "ill_conditioned" "Rounding is enlarged so much that an output has few right digits.";
+    ZeroCrossing = "zero_crossing" "An output crosses zero, where no formula keeps all of its digits.";
+    TooLarge = "too_large" "An output is too large for binary32.";
+    RoundingOrder = "rounding_order" "An output is made of rounding errors, which a device may regroup away.";
+    MediumpOverflow = "mediump_overflow" "A value is too large for `mediump`.";
+    MediumpUnderflow = "mediump_underflow" "A value is so small that `mediump` takes it for 0.";
+    MediumpDigits = "mediump_digits" "An operation needs digits that `mediump` does not have.";
 }
 
 impl FuzzFindingKind {
     /// Whether it is about a lane, and not about the function.
     pub fn is_of_a_lane(self) -> bool {
         matches!(self, Self::LaneDeviation | Self::NotDeterministic | Self::Disturbed | Self::LaneFailed)
-    }
-
-    /// Name in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::LaneDeviation => "lane_deviation",
-            Self::NotDeterministic => "not_deterministic",
-            Self::Disturbed => "disturbed",
-            Self::LaneFailed => "lane_failed",
-            Self::NoValue => "no_value",
-            Self::Infinite => "infinite",
-            Self::Overflow => "overflow",
-            Self::Underflow => "underflow",
-            Self::Lost => "lost",
-            Self::NotWritten => "not_written",
-            Self::TooManyVertices => "too_many_vertices",
-            Self::Endless => "endless",
-            Self::Unset => "unset",
-            Self::Undefined => "undefined",
-            Self::Index => "index",
-            Self::DivisionByZero => "division_by_zero",
-            Self::Shift => "shift",
-            Self::Conversion => "conversion",
-            Self::IntegerOverflow => "integer_overflow",
-            Self::Race => "race",
-            Self::Divergence => "divergence",
-            Self::SubgroupWidth => "subgroup_width",
-            Self::Order => "order",
-            Self::IllConditioned => "ill_conditioned",
-            Self::ZeroCrossing => "zero_crossing",
-            Self::TooLarge => "too_large",
-            Self::RoundingOrder => "rounding_order",
-            Self::MediumpOverflow => "mediump_overflow",
-            Self::MediumpUnderflow => "mediump_underflow",
-            Self::MediumpDigits => "mediump_digits",
-        }
     }
 
     /// How bad it is, by the samples that show it that say most, and where every input has a stated domain or not.

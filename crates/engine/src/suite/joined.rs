@@ -89,6 +89,8 @@ impl Joined {
         let completed = wgsl::completed(text).or_else(|| nothing().then(|| (text.file.clone(), Vec::new())));
         let Some((file, stands)) = completed else { return Vec::new() };
         let whole = Composed { file, undeclared: Vec::new(), rest: None, ..text.clone() };
+        // What was refused before told of nothing that it takes.
+        self.stated.clone_from(&whole.stated);
         self.made = JoinedText::Composed(Ok(whole));
         stands
     }

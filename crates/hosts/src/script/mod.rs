@@ -16,7 +16,7 @@ mod host_text;
 mod language;
 mod lookup;
 mod program;
-mod strings;
+pub mod strings;
 mod table;
 mod token;
 pub mod webgpu;

@@ -192,6 +192,10 @@ fn stages_of_files_and_constants() {
         found.iter().map(|d| d.code.0).collect::<Vec<_>>()
     };
     assert_eq!(alone("compile(GL_FRAGMENT_SHADER, \"a.vert\");"), ["H022"]);
+    // A name that says no stage: one of several texts of a stage, or a word that says it otherwise.
+    for name in ["vs.glsl", "shade_vertex.glsl", "foo-vert.glsl", "common.glsl"] {
+        assert_eq!(alone(&format!("compile(GL_VERTEX_SHADER, \"{name}\");")), [""; 0], "{name}");
+    }
     assert_eq!(alone("p.addShaderFromSourceFile(QOpenGLShader::Vertex, \":/a.frag\");"), ["H022"]);
     let texts = "const char *v = \"#version 150\\nin vec4 p; void main() { gl_Position = p; }\"; \
                  const char *fs = \"#version 150\\nout vec4 c; void main() { c = gl_FragCoord; }\";";

@@ -499,9 +499,13 @@ fn a_value_of_another_type_is_an_error_in_any_piece_of_wgsl() {
         ("gain * shade(v.xy, 1)", "E022"),
     ] {
         by_default(&[("a.wgsl", &piece(result))], code);
-        // What stands in another variant has the types of that one.
-        let varied = format!("#ifdef A\n{}#endif\n", piece(result));
-        assert!(found(&[("a.wgsl", &varied)]).0.is_empty(), "{result}");
+        // What stands in another variant is wrong in that one, and has the types of that one.
+        by_default(&[("a.wgsl", &format!("#ifdef A\n{}#endif\n", piece(result)))], code);
+        let typed = "#ifdef A\nalias V = vec3f;\n#else\nalias V = f32;\n#endif\n";
+        let varied = format!(
+            "{typed}fn half(v: V) -> V {{ return v; }}\n#ifndef A\nfn f() -> f32 {{ return half(1.0); }}\n#endif\n"
+        );
+        assert!(found(&[("a.wgsl", &varied)]).0.is_empty());
     }
     for result in ["gain", "v.x * 2", "other(v.xy, i) + gain"] {
         let told = found(&[("a.wgsl", &piece(result))]).0;

@@ -1,6 +1,9 @@
 //! What hosts put in the place of comments, branches and holes, and what they define for a text.
 
+use base::text::SourceFile;
+
 use super::open::{by_default, found, only_on_request};
+use crate::{Input, Settings, run_with};
 
 /// Nothing at any level.
 fn silent(files: &[(&str, &str)]) {
@@ -153,4 +156,139 @@ fn a_comment_that_a_host_has_in_quotes_is_filled_in() {
     assert_eq!(files(&host("\"// PLACEHOLDER: \"")), [""; 0]);
     assert_eq!(files(&host("\"// placeholder \"")), ["E020", "E020", "E020"]);
     assert_eq!(files(&host("\"// OTHER: \"")), ["E020", "E020", "E020"]);
+}
+
+#[test]
+fn a_module_that_a_script_fills_in_is_read_where_it_is_known() {
+    let text = |name: &str, value: &str| {
+        format!(
+            "import {{ scale }} from './scale';\nconst NAME = 'blit';\nexport const code = /* wgsl */ `\n\
+             fn f(x: f32) -> f32 {{\n  let z: f32 = {value};\n  return x * z * ${{scale}};\n}}\n@fragment\n\
+             fn ${{{name}}}() -> @location(0) vec4f {{ return vec4f(f(1.0)); }}\n`;\n"
+        )
+    };
+    let scale = ("a/scale.ts", "export const scale = 2.5;\n");
+    by_default(&[("a/b.ts", &text("NAME", "vec2f(1.0)")), scale], "E030");
+    silent(&[("a/b.ts", &text("NAME", "1.0")), scale]);
+    // What the program alone knows may be of any type.
+    by_default(&[("a/b.ts", &text("name()", "vec2f(1.0)")), scale], "E030");
+    let open = text("NAME", "vec2f(1.0) + ${rest(1)}");
+    assert!(found(&[("a/b.ts", &open), scale]).0.is_empty());
+}
+
+#[test]
+fn what_is_found_in_a_text_that_is_filled_in_is_told_where_it_is_written() {
+    let part = "export const part = `\nfn g(x: f32) -> f32 {\n  let z: f32 = vec2f(x);\n  return z;\n}\n`;\n";
+    let root = "import { part } from './part';\nexport const code = `\n${part}\n@compute @workgroup_size(1)\n\
+                fn main() { let a = g(1.0); }\n`;\n";
+    let inputs = [("a/part.ts", part), ("a/root.ts", root)];
+    let inputs: Vec<Input> = inputs.iter().map(|(name, text)| Input::new(SourceFile::new(*name, *text))).collect();
+    let found = run_with(&inputs, &Settings::default());
+    let told: Vec<String> = found.iter().map(|d| format!("{} {}", d.code.0, d.file.locate(d.span.start))).collect();
+    assert!(told.contains(&"E030 a/part.ts:3:16".to_owned()), "{told:?}");
+}
+
+#[test]
+fn sizes_are_formats_of_images() {
+    let text = |format: &str| {
+        format!(
+            "#version 420\n#extension GL_EXT_shader_image_load_store : require\n{format}uniform uimage1D n;\nout vec4 c;\n\
+             void main() {{ imageStore(n, 1, uvec4(0u)); c = vec4(0.0); }}\n"
+        )
+    };
+    silent(&[("a.frag", &text("layout(size1x32) "))]);
+    by_default(&[("a.frag", &text(""))], "T019");
+}
+
+#[test]
+fn what_an_engine_leaves_out_hides_nothing_else() {
+    let text = |inside: &str, conditions: &str| {
+        format!(
+            "#define_import_path a::b\n@group(0) @binding(0) var t: texture_2d<f32>;\n@group(0) @binding(1) var s: sampler;\n\
+             @fragment\nfn fs(@location(0) p: vec2<f32>) -> @location(0) vec4<f32> {{\n  var c = vec4<f32>(0.0);\n  \
+             if p.x > 0.5 {{ {inside} }}\n{conditions}\n  return c;\n}}\n"
+        )
+    };
+    let tint = "#ifdef TINT\n  c *= vec4<f32>(1.0, 0.5, 0.5, 1.0);\n#endif";
+    by_default(&[("a.wgsl", &text("c = textureSample(t, s, p);", tint))], "W001");
+    by_default(&[("a.wgsl", &text("c.x = vec2<f32>(1.0);", tint))], "E030");
+    silent(&[("a.wgsl", &text("c = textureSampleLevel(t, s, p, 0.0);", tint))]);
+    // Both parts are never there together, and each of them is in order.
+    let either = "#ifdef WIDE\n  let w = vec2<f32>(1.0);\n  c.x = w.y;\n#else\n  let w = 1.0;\n  c.x = w;\n#endif";
+    silent(&[("a.wgsl", &text("c.x = 0.0;", either))]);
+    let apart = "#ifdef WIDE\n  let w = vec2<f32>(1.0);\n#endif\n#ifndef WIDE\n  let w = 1.0;\n  c.x = w;\n#endif";
+    silent(&[("a.wgsl", &text("c.x = 0.0;", apart))]);
+    by_default(&[("a.wgsl", &text("c.x = 0.0;", &apart.replace("c.x = w;", "c.x = vec2<f32>(w);")))], "E030");
+}
+
+#[test]
+fn a_word_in_marks_that_a_host_replaces_is_filled_in() {
+    let text = |mark: &str| {
+        format!(
+            "export const f = `#version 300 es\nprecision {mark} float;\nuniform sampler2D t;\nout vec4 o;\n\
+             void main() {{ o = textureLod(t, gl_FragCoord.xy, 0.0); }}\n`;\n"
+        )
+    };
+    let host = ("b.ts", "import { f } from './a';\nexport const g = f.replaceAll('{PRECISION}', 'mediump');\n");
+    assert!(found(&[("a.ts", &text("{PRECISION}")), host]).0.is_empty());
+    by_default(&[("a.ts", &text("{PRECISION}"))], "E001");
+}
+
+#[test]
+fn an_include_that_is_not_there_may_define_macros_that_are_called() {
+    let text = |head: &str| {
+        format!(
+            "#version 460\n{head}\nlayout(location = 0) out vec4 c;\nDeclare(1)\nvoid main() {{ c = vec4(1.0); }}\n"
+        )
+    };
+    only_on_request(&[("a.frag", &text("#include <common/material.glsl>"))], "E001");
+    by_default(&[("a.frag", &text(""))], "E001");
+    let asks = |head: &str| {
+        format!("#version 430\n{head}\n#if HAS(ao)\n#endif\nout vec4 r;\nvoid main() {{ r = vec4(1.0); }}\n")
+    };
+    only_on_request(&[("a.frag", &asks("#pragma include \"base.glsl\""))], "E012");
+    by_default(&[("a.frag", &asks(""))], "E012");
+}
+
+#[test]
+fn what_a_guessed_host_has_may_be_otherwise_in_every_variant() {
+    let text = |call: &str| {
+        format!(
+            "//#define LOW\nvoid mainImage(out vec4 fragColor, in vec2 fragCoord) {{\n  vec3 d = vec3(fragCoord, 1.0);\n\
+             #ifdef LOW\n  d *= 2.0;\n#endif\n  fragColor = {call};\n}}\n"
+        )
+    };
+    for call in ["textureLod(iChannel0, d, 0.0)", "vec4(box_dist(d))"] {
+        assert!(found(&[("a.glsl", &text(call))]).0.is_empty(), "{call}");
+    }
+    by_default(&[("a.glsl", &text("vec3(d)"))], "T003");
+    // What a condition asks for has the value that whoever defines it gives it.
+    let valued = "void mainImage(out vec4 fragColor, in vec2 fragCoord) {\n  float w = fragCoord.x;\n#ifdef FLOW\n  \
+                  w = min(FLOW, w);\n#endif\n  fragColor = vec4(w);\n}\n";
+    assert!(found(&[("a.glsl", valued)]).0.is_empty());
+}
+
+#[test]
+fn a_macro_that_one_text_defines_and_another_has_in_a_comment_is_no_option() {
+    let text = |head: &str, call: &str| {
+        format!(
+            "#version 450\n{head}\nfloat f(\n#ifdef MAP\nfloat m,\n#endif\nfloat x) {{ return x; }}\nout vec4 c;\nvoid main() {{ c = vec4({call}); }}\n"
+        )
+    };
+    let (off, on) = (text("//#define MAP", "f(1.0)"), text("#define MAP", "f(1.0, 2.0)"));
+    by_default(&[("a.frag", &off)], "E022");
+    assert!(found(&[("a.frag", &off), ("b.frag", &on)]).0.is_empty());
+}
+
+#[test]
+fn a_name_with_the_mark_of_a_stage_is_read_as_its_text_says() {
+    let vertex = "#version 450\nlayout(location = 0) in vec3 p;\nlayout(location = 0) out vec3 o;\n\
+                  void main() { o = p; gl_Position = vec4(p, 1.0); }\n";
+    silent(&[("vert.mrt.cs.glsl", vertex)]);
+    // F# has the ending of fragment shaders.
+    silent(&[(
+        "Program.fs",
+        "open Aardvark.Base\n[<EntryPoint>]\nlet main argv =\n    let c = [| C4b.Red |]\n    0\n",
+    )]);
+    only_on_request(&[("a.fs", "vec4 shade(vec3 n) {\n  return vec4(n, 1.0)\n}\nfloat g() { return 1.0; }\n")], "E001");
 }

@@ -46,9 +46,16 @@ pub fn errors<'a>(
     config: &'a Config,
     stop: &AtomicBool,
 ) -> Vec<(Level, Diagnostic)> {
-    let mut run =
-        Run { config, in_order: Seen::default(), together: HashSet::new(), found: Vec::new(), told: HashSet::new() };
-    for file in files.take_while(|_| !stop.load(Ordering::Relaxed)) {
+    let files: Vec<&ShaderFile> = files.collect();
+    let mut run = Run {
+        config,
+        in_order: Seen::default(),
+        together: HashSet::new(),
+        found: Vec::new(),
+        told: HashSet::new(),
+        defined: defined(&files),
+    };
+    for file in files.into_iter().take_while(|_| !stop.load(Ordering::Relaxed)) {
         run.file(file);
     }
     run.found
@@ -65,6 +72,19 @@ struct Run<'a> {
     found: Vec<(Level, Diagnostic)>,
     /// Codes and places of what is found.
     told: HashSet<(Code, String, Span)>,
+    /// Macros without a value that lines of texts define.
+    defined: HashSet<&'a str>,
+}
+
+/// Macros that a line of a text defines without a value, and no comment: where another text has that line in a comment, what it
+/// includes is told so which of the two it is in.
+fn defined<'a>(files: &[&'a ShaderFile]) -> HashSet<&'a str> {
+    let text = |file: &&'a ShaderFile| file.author.as_ref().unwrap_or(&file.file).text();
+    let line = |line: &'a str| {
+        let rest = line.trim_start().strip_prefix('#')?.trim_start().strip_prefix("define")?;
+        rest.split("//").next().map(str::trim).filter(|name| !name.is_empty() && !name.contains([' ', '(', '\t']))
+    };
+    files.iter().flat_map(|file| text(file).lines().filter_map(line)).collect()
 }
 
 impl Run<'_> {
@@ -88,7 +108,7 @@ impl Run<'_> {
         let readings = Readings::of(shader);
         let read = |row: &Vec<Setting>| readings.read(row, &self.in_order);
         let first: Vec<Option<(u64, Parsed)>> = rows.par_iter().map(read).collect();
-        let mut search = Search { readings, conditions, switches: &switches, left: MOST_READINGS, run: self };
+        let mut search = Search { file, readings, conditions, switches: &switches, left: MOST_READINGS, run: self };
         for (row, parsed) in rows.into_iter().zip(first) {
             search.row(row, parsed);
         }
@@ -108,6 +128,7 @@ fn key(error: &Diagnostic) -> (Code, String, Span) {
 
 /// Readings of one text, and what they have shown.
 struct Search<'a, 'r> {
+    file: &'a ShaderFile,
     readings: Readings<'a>,
     conditions: Conditions,
     switches: &'a [Switch],
@@ -173,7 +194,9 @@ impl Search<'_, '_> {
             self.run.told.insert(key(error));
             let more = new.len().saturating_sub(MOST_TOLD);
             if index < MOST_TOLD {
-                let of_host = surroundings.leave_open(error, of_version)
+                let of_host = !self.are_stated(settings)
+                    || self.file.may_be_of_another_host(error)
+                    || surroundings.leave_open(error, of_version)
                     || self.is_of_a_choice(settings, error, &parsed.diagnostics);
                 let mut told = self.with_settings((*error).clone(), settings);
                 if more > 0 && index + 1 == MOST_TOLD {
@@ -185,6 +208,14 @@ impl Search<'_, '_> {
                 self.run.found.push((if of_host { Level::Strict } else { Level::Default }, told));
             }
         }
+    }
+
+    /// True where somebody says of each setting that it may be made: a line that defines a macro, in a file without options,
+    /// may be there for good.
+    fn are_stated(&self, settings: &[Setting]) -> bool {
+        let stated = |name: &str| self.switches.iter().any(|switch| switch.name == name && switch.stated);
+        let of_others = |setting: &Setting| setting.value.is_some() && self.run.defined.contains(setting.name.as_str());
+        settings.iter().all(|setting| stated(&setting.name) && !of_others(setting))
     }
 
     /// True for an error that tells of a choice, of which the author takes one: what is declared twice, and what another macro

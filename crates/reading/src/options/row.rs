@@ -108,6 +108,7 @@ mod tests {
             span: Some(Span::at(at)),
             others: (0..*many).map(|v| Some(v.to_string())).collect(),
             listed: true,
+            stated: true,
         };
         values.iter().enumerate().map(switch).collect()
     }

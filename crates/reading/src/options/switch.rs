@@ -24,6 +24,8 @@ pub(super) struct Switch {
     pub others: Vec<Option<String>>,
     /// The text, or the project, lists these values.
     pub listed: bool,
+    /// The text, the project or the file says that it is an option; else conditions alone do.
+    pub stated: bool,
 }
 
 impl Switch {
@@ -102,6 +104,7 @@ pub(super) fn of(shader: &Shader, conditions: &Conditions, stated: &[Variant]) -
             span,
             others,
             listed: values.is_some() || !line.list.is_empty(),
+            stated: values.is_some() || of_options.contains(own_file),
         })
     };
     let given = |variant: &&Variant| {
@@ -110,7 +113,7 @@ pub(super) fn of(shader: &Shader, conditions: &Conditions, stated: &[Variant]) -
     };
     let from_outside = |variant: &Variant| {
         let others = variant.values.iter().filter(|value| value.is_some()).cloned().collect();
-        Switch { name: variant.name.clone(), at: None, span: None, others, listed: true }
+        Switch { name: variant.name.clone(), at: None, span: None, others, listed: true, stated: true }
     };
     let of_project = stated.iter().filter(given).map(from_outside).filter(|switch| !switch.others.is_empty());
     of_project.chain(lines.iter().filter(once).filter_map(switch)).collect()

@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::project::{Project, ShaderFile};
-use hosts::paths::{folder, stem};
+use hosts::HostFile;
+use hosts::paths::{file_name, folder, stem};
 use syntax::Stage;
 
 use super::link::producer;
@@ -21,6 +22,7 @@ pub fn find(project: &Project) -> Vec<Program<'_>> {
         named.extend(programs.named.iter().filter_map(shader).map(|s| s.file.name()));
         for shaders in &programs.linked {
             let known: Option<Vec<&ShaderFile>> = shaders.iter().map(shader).collect();
+            let known = known.map(|known| with_siblings(project, host, known));
             found.extend(known.and_then(|k| Program::new(k, true)));
         }
     }
@@ -62,6 +64,22 @@ pub fn find(project: &Project) -> Vec<Program<'_>> {
         program.shared = names.filter(|n| uses.get(n).is_some_and(|count| *count > 1)).collect();
     }
     found
+}
+
+/// The shaders of a program, with those between them that have the name of one of them and another ending, where the host
+/// names their files as well: what loads `fire.vert`, `fire.frag` and `fire.gem`.
+fn with_siblings<'p>(project: &'p Project, host: &HostFile, mut known: Vec<&'p ShaderFile>) -> Vec<&'p ShaderFile> {
+    let between = [Stage::Geometry, Stage::TessControl, Stage::TessEvaluation];
+    let place = |path: &str| (folder(path).to_owned(), stem(path).to_owned());
+    let places: BTreeSet<(String, String)> = known.iter().map(|shader| place(shader.file.name())).collect();
+    for (path, shader) in project.shader_files() {
+        let stage = shader.shader.stage();
+        let is_new = between.contains(&stage) && !known.iter().any(|own| own.shader.stage() == stage);
+        if is_new && places.contains(&place(path)) && host.file.text().contains(file_name(path)) {
+            known.push(shader);
+        }
+    }
+    known
 }
 
 /// True for a vertex and a fragment shader, with at most one shader of each other stage.

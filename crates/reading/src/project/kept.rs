@@ -6,10 +6,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use base::text::SourceFile;
 
+use super::filled::{self, ByPath, PutTogether};
 use super::{Input, KnownHosts, ShaderFile};
 use hosts::Origin;
 use hosts::Wrapper;
 use hosts::language::{Language, language_of};
+use hosts::paths::normalise;
 use hosts::script::Script;
 use hosts::{Found, HostFile};
 
@@ -35,6 +37,8 @@ struct Readings {
     found: Option<(Vec<Wrapper>, Arc<Found>)>,
     /// The shaders in its literals, reported or not, in a project with this prelude.
     embedded: Vec<(Reading, Vec<Arc<ShaderFile>>)>,
+    /// The modules that its templates make, reported or not.
+    put_together: Vec<(bool, PutTogether)>,
 }
 
 impl Kept {
@@ -115,10 +119,33 @@ pub(super) fn embedded(host: &HostFile, input: Option<&Input>, known: KnownHosts
     })
 }
 
+/// The modules that templates of a script make.
+pub(super) fn put_together(host: &HostFile, files: &ByPath<'_>) -> Vec<Arc<ShaderFile>> {
+    let input = files.get(&normalise(host.file.name())).filter(|input| input.file == host.file);
+    let kept = input.and_then(|input| input.kept.as_deref());
+    let holds = |(reported, read): &&(bool, PutTogether)| *reported == host.reported && read.still_holds(files);
+    let known = kept.and_then(|k| k.with(|r| r.put_together.iter().find(holds).map(|(_, read)| read.clone())));
+    let read = known.unwrap_or_else(|| {
+        let read = filled::put_together(host, files, input.and_then(|input| input.composer.as_ref()));
+        if let Some(kept) = kept {
+            kept.with(|r| {
+                r.put_together.retain(|(reported, _)| *reported != host.reported);
+                r.put_together.push((host.reported, read.clone()));
+            });
+        }
+        read
+    });
+    read.shaders
+}
+
 fn shader_in(host: &HostFile, embedded: &hosts::Embedded, whole: Option<&Input>, known: KnownHosts) -> ShaderFile {
-    let file = SourceFile::new(embedded.name.as_str(), embedded.literal.text.as_str());
+    // What joins a text with its imports, and reads it as naga does, knows its language by its name.
+    let ending = if embedded.wgsl { ".wgsl" } else { "" };
+    let file = SourceFile::new(format!("{}{ending}", embedded.name), embedded.literal.text.as_str());
     let input = if host.reported { Input::new(file) } else { Input::context(file) };
     let input = input.defining(whole.map_or(&[], |whole| &whole.defines));
+    let composer = whole.and_then(|whole| whole.composer.clone()).filter(|_| embedded.wgsl);
+    let input = composer.map_or(input.clone(), |composer| input.composed_by(composer));
     let mut shader = if embedded.wgsl {
         ShaderFile::wgsl(&input)
     } else if host.is_script() {

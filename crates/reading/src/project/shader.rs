@@ -63,6 +63,12 @@ pub struct ShaderFile {
     pub author: Option<SourceFile>,
     /// The text as its author wrote it, where it is a template: places are the same in both.
     pub template: Option<SourceFile>,
+    /// Functions of which something is not known, and was taken for something.
+    pub(super) taken: Vec<Span>,
+    /// What a host puts around it is taken from the looks of the text: it may be another host.
+    host_is_guessed: bool,
+    /// A script puts it together of templates.
+    pub(super) put_together: bool,
     /// What another reader of the language says of the text.
     pub refused: Vec<(Level, Diagnostic)>,
     /// Ranges of its expressions, found out when the first rule asks.
@@ -138,7 +144,7 @@ impl ShaderFile {
         self.shader.wgsl().is_some()
     }
 
-    fn read(input: &Input, parsed: Parsed) -> Self {
+    pub(crate) fn read(input: &Input, parsed: Parsed) -> Self {
         let claimed = |d| crate::hlsl::claim(&parsed.shader, d);
         let front_end: Vec<Diagnostic> = parsed.diagnostics.into_iter().map(claimed).collect();
         Self {
@@ -158,6 +164,9 @@ impl ShaderFile {
             author: None,
             template: None,
             refused: Vec::new(),
+            taken: Vec::new(),
+            host_is_guessed: false,
+            put_together: false,
             observed: Mutex::default(),
             flow: Mutex::default(),
         }
@@ -284,6 +293,7 @@ impl ShaderFile {
             };
             let (sure, asked): (Vec<_>, Vec<_>) = shader.front_end.into_iter().partition(sure);
             (shader.front_end, shader.on_request) = (sure, asked);
+            shader.host_is_guessed = true;
         }
         shader.origin = Some(Origin { host: input.file.clone(), literal });
         shader
@@ -387,6 +397,12 @@ impl ShaderFile {
         let is_hook = |d: &Diagnostic| host.file.text()[..literal.to_host(d.span).start].ends_with('$');
         shader.on_request.retain(|d| !literal.is_filled_in(d.span) && !is_hook(d));
         shader
+    }
+
+    /// True for an error that other parts of the text take away, or another host than the one that is guessed.
+    pub fn may_be_of_another_host(&self, error: &Diagnostic) -> bool {
+        let of_host = open::is_about_a_name(error) || open::is_of_another(error);
+        self.host_is_guessed && of_host && !open::is_slip(error)
     }
 
     /// Leaves to a request what does not hold for certain.

@@ -1,28 +1,18 @@
 //! Everything that is wrong in a run, once, in the form from which every format for other programs is made.
 
 use std::fmt::Write as _;
-use std::path::Path;
 
+use crate::ci::Item;
 use base::diagnostic::Severity;
 use engine::suite::run::{Entry, Finding, Outcome, RunError, Summary};
 use judge::verdict::diagnosis::{Diagnosis, Place};
 use judge::verdict::{Blame, What};
 
-/// Something that is wrong.
+/// Something that is wrong, and where it was seen.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Item {
-    /// Error or warning.
-    pub severity: Severity,
-    /// What it is about: the kind of a finding, or the code of an error.
-    pub code: String,
-    /// What is wrong, in a line.
-    pub message: String,
-    /// All that is known, over several lines, as people read it.
-    pub details: String,
-    /// The file where it shows.
-    pub file: String,
-    /// Line and column in it, from 1; none for a finding about the whole shader.
-    pub at: Option<(usize, usize)>,
+pub(super) struct Told {
+    /// What is told of it.
+    pub item: Item,
     /// Where a finding of a suite was seen; none for what is about no lane.
     seen: Option<Seen>,
 }
@@ -48,17 +38,13 @@ impl Seen {
     }
 }
 
-impl Item {
+impl Told {
     /// Whether another finding is of the same fault, on another lane.
     fn is_of(&self, other: &Self) -> bool {
         let same = |own: &Seen, other: &Seen| own.suite == other.suite && own.fault == other.fault;
         let seen = self.seen.as_ref().zip(other.seen.as_ref()).is_some_and(|(own, other)| same(own, other));
-        seen && (&self.code, &self.file, self.at) == (&other.code, &other.file, other.at)
-    }
-
-    /// What stays the same from run to run while the fault is there.
-    pub(super) fn identity(&self) -> String {
-        self.seen.as_ref().map_or_else(|| self.message.clone(), |seen| format!("{}: {}", seen.suite, seen.fault))
+        let (own, other) = (&self.item, &other.item);
+        seen && (&own.code, &own.file, own.at) == (&other.code, &other.file, other.at)
     }
 
     /// Takes a lane more.
@@ -67,32 +53,29 @@ impl Item {
         let before = seen.on();
         seen.lanes.extend(other.lanes.iter().cloned());
         let now = seen.on();
-        self.message = self.message.replacen(&before, &now, 1);
-        self.details = self.details.replacen(&before, &now, 1);
+        self.item.message = self.item.message.replacen(&before, &now, 1);
+        self.item.details = self.item.details.replacen(&before, &now, 1);
     }
 
     /// All that is known, with the names of the lanes.
-    fn with_lanes(mut self) -> Self {
-        let lanes = self.seen.iter().flat_map(|seen| seen.lanes.iter().skip(1).cloned());
-        let lanes: Vec<String> = lanes.collect();
-        self.details = self.details.trim().to_owned();
+    fn with_lanes(self) -> Item {
+        let mut item = self.item;
+        let lanes: Vec<String> = self.seen.into_iter().flat_map(|seen| seen.lanes.into_iter().skip(1)).collect();
+        item.details = item.details.trim().to_owned();
         if !lanes.is_empty() {
-            let _ = write!(self.details, "\n  also on    {}", lanes.join(", "));
+            let _ = write!(item.details, "\n  also on    {}", lanes.join(", "));
         }
-        self
+        item
     }
 }
 
 /// What is wrong with an entry.
-pub(super) fn of_entry(entry: &Entry) -> Vec<Item> {
-    let plain = |code: &str, message: String| Item {
-        severity: Severity::Error,
-        code: code.to_owned(),
-        details: message.clone(),
-        message,
-        file: entry.shader.clone(),
-        at: None,
-        seen: None,
+pub(super) fn of_entry(entry: &Entry) -> Vec<Told> {
+    let plain = |code: &str, about: &'static str, message: String| {
+        let (details, identity, file) = (message.clone(), message.clone(), entry.shader.clone());
+        let severity = Severity::Error;
+        let item = Item { severity, code: code.to_owned(), about, message, details, file, at: None, identity };
+        vec![Told { item, seen: None }]
     };
     match &entry.outcome {
         Outcome::Ran(report) => {
@@ -103,24 +86,24 @@ pub(super) fn of_entry(entry: &Entry) -> Vec<Item> {
             };
             report.findings.iter().map(|finding| of_finding(seen(finding), &report.shader, finding)).collect()
         }
-        Outcome::Refused(RunError::Shader { diagnostics, .. }) => diagnostics
-            .iter()
-            .map(|d| {
-                let at = d.file.position(d.span.start);
-                Item {
-                    severity: d.severity,
-                    code: d.code.0.to_owned(),
-                    message: d.message.to_string(),
-                    details: crate::diagnostics::text(d, base::diagnostic::Lang::En, false),
-                    file: d.file.name().to_owned(),
-                    at: Some((at.line, at.column)),
-                    seen: None,
-                }
-            })
-            .collect(),
-        Outcome::Refused(error) => vec![plain("configuration", error.to_string())],
-        Outcome::LaneFailed(message) => vec![plain("lane", message.clone())],
+        Outcome::Refused(RunError::Shader { diagnostics, .. }) => {
+            diagnostics.iter().map(|d| Told { item: Item::of(d), seen: None }).collect()
+        }
+        Outcome::Refused(error) => plain("configuration", UNFIT, error.to_string()),
+        Outcome::LaneFailed(message) => plain("lane", LOST, message.clone()),
         Outcome::KnownFailure { .. } => Vec::new(),
+    }
+}
+
+const LOST: &str = "The lane failed.";
+const UNFIT: &str = "A suite does not fit its shader.";
+
+/// What a code stands for that is no kind of finding.
+pub fn about(code: &str) -> Option<&'static str> {
+    match code {
+        "lane" => Some(LOST),
+        "configuration" => Some(UNFIT),
+        _ => None,
     }
 }
 
@@ -135,20 +118,22 @@ fn fault(finding: &Finding) -> String {
     }
 }
 
-fn of_finding(seen: Seen, shader: &str, finding: &Finding) -> Item {
+fn of_finding(seen: Seen, shader: &str, finding: &Finding) -> Told {
     let on = &seen.on();
     let place = finding.case.as_ref().and_then(|case| shown(&case.diagnosis)).map(|place| &place.at);
     let at = place.and_then(|at| at.position).map(|position| (position.line, position.column));
     let file = place.map_or_else(|| shader.to_owned(), |at| at.file.clone());
-    Item {
+    let item = Item {
         severity: if finding.kind.is_warning() { Severity::Warning } else { Severity::Error },
         code: finding.kind.name().to_owned(),
+        about: finding.kind.about(),
         message: format!("{on}: {}", finding.message),
         details: super::block::block(on, shader, finding),
         file,
         at,
-        seen: Some(seen),
-    }
+        identity: format!("{}: {}", seen.suite, seen.fault),
+    };
+    Told { item, seen: Some(seen) }
 }
 
 /// Where a deviation shows first in the author's text.
@@ -170,23 +155,15 @@ pub(super) fn all(summary: &Summary) -> Vec<Item> {
 }
 
 /// What is of one fault, as one item.
-fn once(items: impl IntoIterator<Item = Item>) -> Vec<Item> {
-    let mut all: Vec<Item> = Vec::new();
-    for item in items {
-        match all.iter_mut().find(|known| known.is_of(&item)) {
-            Some(known) => known.also(&item),
-            None => all.push(item),
+fn once(found: impl IntoIterator<Item = Told>) -> Vec<Item> {
+    let mut all: Vec<Told> = Vec::new();
+    for told in found {
+        match all.iter_mut().find(|known| known.is_of(&told)) {
+            Some(known) => known.also(&told),
+            None => all.push(told),
         }
     }
-    all.into_iter().map(Item::with_lanes).collect()
-}
-
-/// A path as services that show findings want it: from the root of the repository on, without `./`.
-pub(super) fn relative(file: &str) -> String {
-    let path = Path::new(file);
-    let plain: std::path::PathBuf =
-        path.components().filter(|part| !matches!(part, std::path::Component::CurDir)).collect();
-    plain.display().to_string().replace('\\', "/")
+    all.into_iter().map(Told::with_lanes).collect()
 }
 
 #[cfg(test)]
@@ -235,12 +212,12 @@ mod tests {
         ];
         assert_eq!(messages, expected);
         assert!(all[0].details.starts_with(expected[0]) && all[0].details.ends_with("\n  also on    opengl/vertex"));
-        assert!(!all[1].details.contains("also on") && all[0].identity() == "s: `p` is not `q`");
+        assert!(!all[1].details.contains("also on") && all[0].identity == "s: `p` is not `q`");
     }
 
     #[test]
-    fn paths_have_no_dots() {
-        assert_eq!(relative("./a/./b.vert"), "a/b.vert");
-        assert_eq!(relative("/a/b.vert"), "/a/b.vert");
+    fn what_is_no_kind_of_finding_is_explained() {
+        assert_eq!(about("lane"), Some("The lane failed."));
+        assert_eq!(about("E001"), None);
     }
 }

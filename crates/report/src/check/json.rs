@@ -2,7 +2,6 @@
 
 use serde_json::{Value, json};
 
-use super::Format;
 use engine::suite::run::{
     Budget, Case, Doubtful, Entry, Expectation, Finding, LaneUsed, Outcome, Repeated, RunError, Standing, Status,
     Summary,
@@ -11,10 +10,6 @@ use judge::verdict::diagnosis::{Diagnosis, Origin, Place, Stand, Witness};
 use judge::verdict::{Promise, Reason};
 use lanes::Stage;
 use program::InputSource;
-
-/// The format.
-pub const FORMAT: Format =
-    Format { name: "json", summary: "For programs", file: "report.json", write: |summary| Ok(json(summary)) };
 
 /// The whole run as one JSON object, with a line break.
 pub fn json(summary: &Summary) -> String {

@@ -1,11 +1,13 @@
 //! Reports of `compare`.
 
+mod ci;
 mod json;
 mod text;
 mod twins;
 
 use engine::compare::{Compared, Unpaired};
 
+pub use ci::{ci, twins as twins_ci};
 pub use json::json;
 pub use text::text;
 pub use twins::{TwinReport, Twins, json as twins_json, text as twins_text};

@@ -109,8 +109,9 @@ impl Twins {
     }
 }
 
+/// What a pair of functions shows.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
+pub(super) enum Kind {
     NotCompared,
     Equal,
     Weak,
@@ -121,7 +122,7 @@ enum Kind {
 }
 
 impl Kind {
-    fn of(twin: &TwinReport, pair: &Compared) -> Self {
+    pub(super) fn of(twin: &TwinReport, pair: &Compared) -> Self {
         let differs = pair.unlike.0 > 0 || !pair.same_bits.iter().all(SameBits::holds);
         match (differs, twin.is_excepted(pair)) {
             (true, true) => Self::Excepted,

@@ -1,5 +1,6 @@
 //! Reports of `fuzz`.
 
+mod ci;
 mod json;
 mod text;
 
@@ -8,6 +9,7 @@ use engine::fuzz::{FunctionReport, Severity};
 use engine::suite::run::signal_name;
 use lanes::{Description, Unavailable};
 
+pub use ci::ci;
 pub use json::json;
 pub(crate) use json::{Input, inputs};
 pub use text::{findings, line, totals};

@@ -102,7 +102,12 @@ pub fn findings(file: &FileReport, notes: bool, color: bool) -> String {
         let notes = notes || function.tells_notes();
         let told = |f: &&Finding| (notes || f.severity != Severity::Note) && !is_unstated(f);
         for finding in function.findings.iter().filter(told) {
-            one(&mut text, function, finding, color);
+            let severity = match finding.severity {
+                Severity::Finding => "",
+                Severity::Warning => "warning: ",
+                Severity::Note => "note: ",
+            };
+            one(&mut text, function, finding, severity, color);
             shown = true;
         }
         if shown && !function.textures.is_empty() {
@@ -143,7 +148,7 @@ fn presumed(text: &mut String, file: &FileReport) {
 const NAMES: usize = 6;
 
 /// True for what needs arbitrary inputs: it is reported by its cause.
-fn is_unstated(finding: &Finding) -> bool {
+pub(super) fn is_unstated(finding: &Finding) -> bool {
     finding.severity == Severity::Warning && finding.part == Part::Arbitrary && finding.cause.is_some()
 }
 
@@ -208,13 +213,15 @@ fn taken(function: &FunctionReport, input: &InputValue) -> String {
     taken.map_or_else(String::new, |taken| format!(" (taken for {taken})"))
 }
 
-fn one(text: &mut String, function: &FunctionReport, finding: &Finding, color: bool) {
+/// One finding with all that is known of it, without how bad it is.
+pub(super) fn block(function: &FunctionReport, finding: &Finding) -> String {
+    let mut text = String::new();
+    one(&mut text, function, finding, "", false);
+    text
+}
+
+fn one(text: &mut String, function: &FunctionReport, finding: &Finding, severity: &str, color: bool) {
     let style = Style::new(color);
-    let severity = match finding.severity {
-        Severity::Finding => "",
-        Severity::Warning => "warning: ",
-        Severity::Note => "note: ",
-    };
     let on = finding.lane.map_or_else(String::new, |lane| format!(" on {lane}"));
     let _ = writeln!(text, "\n{}{severity}{}{on}: {}{}", style.bold, function.function, finding.message, style.off);
     if let Some(Place { at, text: source, expansion, line: _ }) = &finding.place {

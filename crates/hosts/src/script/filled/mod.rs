@@ -6,8 +6,8 @@
 //! ```
 //!
 //! A value is known where constants, templates and functions of one expression lead to it. What is not known is an input of the
-//! text, as a declaration that it lacks is, and every such choice is told. The linter does not read these texts: what the host
-//! fills in may be another thing.
+//! text, as a declaration that it lacks is, and every such choice is told. The linter reads modules whose parts it knows: what the host
+//! fills in elsewhere may be another thing.
 
 mod files;
 mod holes;
@@ -28,6 +28,8 @@ use super::code::Code;
 use super::language::{Form, Language};
 use super::strings;
 use super::token::Token;
+use crate::document::document_of;
+use crate::paths::extension;
 use files::{Files, is_changed, value_behind};
 use values::{Frame, OPEN, Scope, Values};
 
@@ -39,6 +41,17 @@ const MOST: usize = 64;
 
 /// Reads what a file imports: by the name of the file, and the path that it writes.
 pub type Imports<'i> = dyn FnMut(&str, &str) -> Option<SourceFile> + 'i;
+
+/// The paths that an import may mean: as it is written, with an ending, or as the index of a folder. `a.js` is `a.ts` where
+/// the compiler of TypeScript has still to write it.
+pub fn candidates(path: &str) -> Vec<String> {
+    const ENDINGS: [&str; 4] = ["ts", "js", "tsx", "mjs"];
+    let mut all = vec![path.to_owned()];
+    all.extend(ENDINGS.iter().map(|ending| format!("{path}.{ending}")));
+    all.extend(ENDINGS.iter().map(|ending| format!("{path}/index.{ending}")));
+    all.extend(path.strip_suffix(".js").map(|path| format!("{path}.ts")));
+    all
+}
 
 /// A module that is put together.
 #[derive(Clone, Debug)]
@@ -60,10 +73,13 @@ pub struct Filled {
 }
 
 /// The modules that templates of a file make, and the parts of modules that none of them has. `known` are the places of
-/// strings that are read otherwise.
+/// strings that are read otherwise. Nothing for a file that is no JavaScript.
 pub fn filled(file: &SourceFile, known: &[Span], imports: &mut Imports<'_>) -> Vec<Filled> {
     let may_hold = file.text().contains("fn ") || file.text().contains("${");
-    if Language::of(file.name()) != Some(Language::JavaScript) || !may_hold || file.text().contains([OPEN.0, OPEN.1]) {
+    // The scripts of a page have its name.
+    let is_page = || ["html", "htm"].contains(&extension(document_of(file.name())));
+    let is_code = Language::of(file.name()).map_or_else(is_page, |language| language == Language::JavaScript);
+    if !is_code || !may_hold || file.text().contains([OPEN.0, OPEN.1]) {
         return Vec::new();
     }
     let code = Code::new(file, Language::JavaScript);

@@ -19,8 +19,13 @@ pub const RULE: Rule = Rule {
     check: Check::Shader(check),
 };
 
-/// Formats of images (GLSL 4.60, 4.4.6.2).
-const FORMATS: [&str; 39] = [
+/// Formats of images (GLSL 4.60, 4.4.6.2), and sizes that stand for them (`GL_EXT_shader_image_load_store`).
+const FORMATS: [&str; 44] = [
+    "size1x8",
+    "size1x16",
+    "size1x32",
+    "size2x32",
+    "size4x32",
     "rgba32f",
     "rgba16f",
     "rg32f",

@@ -24,7 +24,8 @@ pub const RULE: Rule = Rule {
 
 fn check(host: &HostFile, _: &Project, findings: &mut Findings<'_>) {
     for embedded in host.embedded() {
-        let Some((as_stage, place)) = embedded.created_as.filter(|(s, _)| *s != embedded.stage) else { continue };
+        let differs = |(stage, _): &(Stage, Span)| embedded.stage != Stage::Library && *stage != embedded.stage;
+        let Some((as_stage, place)) = embedded.created_as.filter(differs) else { continue };
         report(host, &embedded.name, embedded.stage, as_stage, place, findings);
     }
     let text = host.file.text();
@@ -43,7 +44,9 @@ fn check(host: &HostFile, _: &Project, findings: &mut Findings<'_>) {
             .filter(|n| is_shader_name(n))
             .collect();
         let (&[(as_stage, place)], &[name]) = (constants.as_slice(), names.as_slice()) else { continue };
-        let Some(stage) = Stage::from_path(name).filter(|s| *s != as_stage) else { continue };
+        // A name that says no stage is no name of another one: several texts may make one stage.
+        let says_another = |stage: &Stage| *stage != Stage::Library && *stage != as_stage;
+        let Some(stage) = Stage::from_path(name).filter(says_another) else { continue };
         report(host, name, stage, as_stage, place, findings);
     }
 }

@@ -1,24 +1,17 @@
 //! `github`: commands of GitHub Actions that put findings beside the lines of a change.
 //! <https://docs.github.com/actions/reference/workflow-commands-for-github-actions>
 
-use super::Format;
-use super::items::{self, Item};
+use super::{Format, Item, relative};
 use crate::actions::{data, property};
 use base::diagnostic::Severity;
-use engine::suite::run::Summary;
 
-/// The format.
+/// The format: a line for each finding.
 pub const FORMAT: Format = Format {
     name: "github",
     summary: "Annotations of GitHub Actions",
     file: "annotations.txt",
-    write: |summary| Ok(github(summary)),
+    write: |run| Ok(run.items.iter().map(command).collect()),
 };
-
-/// A line for each finding.
-fn github(summary: &Summary) -> String {
-    items::all(summary).iter().map(command).collect()
-}
 
 fn command(item: &Item) -> String {
     let kind = match item.severity {
@@ -29,8 +22,8 @@ fn command(item: &Item) -> String {
     let (line, column) = item.at.unwrap_or((1, 1));
     format!(
         "::{kind} file={},line={line},col={column},title={}::{}\n",
-        property(&items::relative(&item.file)),
+        property(&relative(&item.file)),
         property(&format!("shadercheck {}", item.code)),
-        data(item.details.trim_end())
+        data(item.details.trim())
     )
 }

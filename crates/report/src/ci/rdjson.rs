@@ -2,8 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::Format;
-use super::items::{self, Item};
+use super::{Format, Item, relative};
 use crate::reviewdog::{report, severity};
 
 /// The format.
@@ -11,12 +10,12 @@ pub const FORMAT: Format = Format {
     name: "rdjson",
     summary: "Reviewdog Diagnostic Format",
     file: "reviewdog.json",
-    write: |summary| Ok(report(items::all(summary).iter().map(diagnostic).collect())),
+    write: |run| Ok(report(run.items.iter().map(diagnostic).collect())),
 };
 
 /// A finding at the line where it shows; columns of this format count bytes, and those of an item characters.
 fn diagnostic(item: &Item) -> Value {
-    let mut location = json!({ "path": items::relative(&item.file) });
+    let mut location = json!({ "path": relative(&item.file) });
     if let Some((line, _)) = item.at {
         location["range"] = json!({ "start": { "line": line } });
     }
