@@ -174,8 +174,8 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
         same_bits: args.same_bits,
     };
     let names = texts.each_ref().map(|text| text.name.clone());
-    let broken = sides.iter().any(|(_, error)| error.is_some());
-    let part = ShardResult { texts: names, broken, unpaired, pairs: Vec::new(), page: args.report_dir.clone() };
+    let errors = sides.iter().filter_map(|(_, error)| error.clone()).collect();
+    let part = ShardResult { texts: names, errors, unpaired, pairs: Vec::new(), page: args.report_dir.clone() };
     let key = |shards| identity(args, shards, &texts, &lanes);
     let texts = texts.each_ref();
     let mut pairs = Pairs { pairs, texts, lanes: &lanes, request, inputs: Inputs::new(&stated) };
@@ -271,9 +271,9 @@ fn open(compared: Compared, pair: [&Subject; 2], texts: [&IncludedText; 2]) -> C
 #[derive(Debug, Serialize, Deserialize)]
 pub struct ShardResult {
     texts: [String; 2],
-    /// Some functions of a text do not compile.
+    /// The first error of each text of which some functions do not compile.
     #[serde(default)]
-    broken: bool,
+    errors: Vec<String>,
     unpaired: [Vec<Unpaired>; 2],
     pairs: Vec<(u64, Compared)>,
     /// Where the page of a whole run goes.
@@ -293,9 +293,11 @@ impl Join for ShardResult {
 
 impl Printed for ShardResult {
     fn print(self, mut to: Printing<'_>) -> anyhow::Result<ExitStatus> {
-        let Self { texts, broken, unpaired, pairs, page: folder } = self;
+        let Self { texts, errors, unpaired, pairs, page: folder } = self;
+        let broken = !errors.is_empty();
         let pairs = pairs.into_iter().map(|(_, compared)| compared).collect();
-        let summary = Summary { texts, seed: to.identity.seed, pairs, unpaired, interrupted: to.interrupted };
+        let (seed, interrupted) = (to.identity.seed, to.interrupted);
+        let summary = Summary { texts, seed, pairs, unpaired, errors, interrupted };
         if let Some(folder) = folder {
             page(&folder, &summary)?;
         }

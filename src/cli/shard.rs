@@ -168,6 +168,10 @@ impl ShardArgs {
         J::Part: Printed,
     {
         let shard = self.shard()?;
+        anyhow::ensure!(
+            shard.is_none() || !matches!(watch.terminal().format, Reported::Service(_)),
+            "a shard has no whole report; with --shard, --format is text or json"
+        );
         let identity = key(shard.map_or(1, Shard::count));
         let Some(shard) = shard else {
             let found = session::run(job, None, Reached::nothing(part), watch)?;

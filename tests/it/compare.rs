@@ -427,3 +427,25 @@ fn what_stands_for_a_missing_name_makes_no_difference() {
     assert!(why("h").contains("`kept` is an input of the first"), "{report}");
     assert!(why("g").is_empty() && pair(&report, "g")["unlike"].as_u64().unwrap() > 0, "{report}");
 }
+
+#[test]
+fn what_differs_is_told_to_services_once_at_its_first_function() {
+    let ran = compared("functions.glsl slips.wgsl --format github").expect(1);
+    let told: Vec<&str> = ran.out.lines().collect();
+    let slip = |line: &&str| {
+        line.starts_with("::error file=functions.glsl,line=") && line.contains("title=shadercheck unlike::")
+    };
+    assert!(told.len() == 3 && told.iter().all(slip), "{}", ran.out);
+    assert!(ran.out.contains("reproduce  shadercheck compare functions.glsl slips.wgsl"), "{}", ran.out);
+    let folder = twins();
+    let ran = run_in(folder.path(), "compare glsl wgsl --samples 4096 --format junit --report-dir out").expect(1);
+    assert!(ran.out.contains("type=\"unlike\"") && ran.out.contains("failures=\"3\""), "{}", ran.out);
+    let read = |name: &str| fs::read_to_string(folder.path().join("out").join(name)).unwrap();
+    let sarif: Value = serde_json::from_str(&read("report.sarif")).unwrap();
+    assert_eq!(sarif["runs"][0]["results"].as_array().unwrap().len(), 3);
+    assert_eq!(sarif["runs"][0]["results"][0]["ruleId"], "unlike");
+    assert!(read("summary.md").starts_with("## shadercheck compare failed"));
+    // A part of a run is no report, and what is compared by its bits alone has its own format.
+    let refused = run_in(folder.path(), "compare glsl wgsl --format sarif --shard 0/2").expect(2);
+    assert!(refused.err.contains("--format is text or json"), "{refused:?}");
+}

@@ -28,6 +28,17 @@ pub fn equal_depth(text: &str) -> Option<Span> {
     })
 }
 
+/// Whether passes of WebGPU begin with depth that an earlier one wrote: false where each of them is said to clear it, and none
+/// where the text says nothing.
+pub fn keeps_depth(text: &str) -> Option<bool> {
+    let values = text.match_indices("depthLoadOp").filter(|(at, _)| !is_comment(text, *at)).map(|(at, name)| {
+        let rest = &text[at + name.len()..];
+        let value = rest.trim_start_matches(['?', ':', '=', ' ', '"', '\'', '`']);
+        syntax::words::identifier(value)
+    });
+    values.map(|value| value != "clear").reduce(|any, one| any || one)
+}
+
 fn is_part(c: char) -> bool {
     c.is_ascii_alphanumeric() || c == '_'
 }
@@ -61,6 +72,14 @@ fn is_comment(text: &str, at: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn passes_that_clear_depth_share_none() {
+        assert_eq!(keeps_depth("depthLoadOp: 'clear', x\n"), Some(false));
+        assert_eq!(keeps_depth("depthLoadOp: 'clear'\ndepthLoadOp: \"load\""), Some(true));
+        assert_eq!(keeps_depth("depthLoadOp: first ? 'clear' : 'load'"), Some(true));
+        assert_eq!(keeps_depth("// depthLoadOp: 'load'"), None);
+    }
 
     #[test]
     fn tests_for_equal_depth_are_found_in_every_api() {

@@ -274,9 +274,10 @@ impl Rule {
         self.name.starts_with("mediump-")
     }
 
-    /// True for a rule on what a text says, and not on what it lacks: of a template, one text of many is read.
+    /// True for a rule on what a text says, and neither on what it lacks nor on values: of a template, one text of many is
+    /// read, with numbers that stand for others.
     fn holds_for_templates(&self) -> bool {
-        self.code.0.starts_with('K') || self.code.0 == "N036"
+        (self.code.0.starts_with('K') && self.code.0 != "K010") || self.code.0 == "N036"
     }
 
     /// True when it takes its findings from the front end.

@@ -414,7 +414,7 @@ pub fn is_of_host(project: &Project, shader: &Shader, error: &Diagnostic) -> boo
     // A module in a string is itself a part of its host file.
     let own = |host: &HostFile| {
         let rest = error.file.name().strip_prefix(host.file.name());
-        rest.is_some_and(|rest| rest.starts_with('#')).then(|| error.file.text().matches(name).count()).unwrap_or(0)
+        if rest.is_some_and(|rest| rest.starts_with('#')) { error.file.text().matches(name).count() } else { 0 }
     };
     let has = |host: &HostFile| {
         let text = host.file.text();

@@ -25,6 +25,9 @@ pub(super) fn run(
     err: &mut dyn Write,
     color: bool,
 ) -> anyhow::Result<ExitStatus> {
+    if let Reported::Service(service) = args.format {
+        anyhow::bail!("--reproducible finds nothing that `{}` could show: --format is text or json", service.name);
+    }
     let Some(profile) = profile::named(args.profile.as_deref().unwrap_or(PROFILE))? else {
         anyhow::bail!("--profile: what devices may do differently follows from what they promise; `none` has nothing");
     };
@@ -75,11 +78,8 @@ pub(super) fn run(
         inputs.all_used()?;
     }
     let printed = match args.format {
-        Reported::Json => json(&summary),
         Reported::Text => text(&summary, color),
-        Reported::Service(service) => {
-            anyhow::bail!("--reproducible has no findings for `{}`: text or json", service.name)
-        }
+        Reported::Json | Reported::Service(_) => json(&summary),
     };
     out.write_all(printed.as_bytes())?;
     Ok(if let Some(signal) = interrupt::signal() {

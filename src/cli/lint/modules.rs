@@ -25,47 +25,60 @@ pub fn composer(folders: &[PathBuf]) -> Composer {
         if language_of(file.name()) != Some(Language::Wgsl) {
             return with_includes(file, &folders);
         }
-        // With all features on, most of a text is seen. Where they exclude each other, it is read as without any.
-        let on: Vec<(String, String)> = features(file).into_iter().map(|name| (name, String::new())).collect();
-        let conditions = !on.is_empty();
-        let sets = if on.is_empty() { vec![on] } else { vec![on, Vec::new()] };
-        // Names that are missing whatever is switched on.
-        let mut missing: Option<Vec<Diagnostic>> = None;
-        let mut whole = |defines| {
-            // Hosts assign bindings where no resource of a text has one.
-            let options = Options { defines, assume_nothing: true, assign_bindings: true, ..Options::default() };
-            let mut modules = modules.lock().unwrap_or_else(PoisonError::into_inner);
-            let mut lacks = match modules.compose(file, &options) {
-                Ok(composed) if composed.undeclared.is_empty() => return Some((composed.file, composed.notes)),
-                Ok(composed) => composed.unknown_names(),
-                Err(_) => modules.unknown_names(file, &options),
-            };
-            lacks.retain(|d| d.file.name() == file.name());
-            if let Some(before) = &missing {
-                lacks.retain(|d| before.iter().any(|b| b.span == d.span));
-            }
-            missing = Some(lacks);
-            None
-        };
-        let draft = |note: Diagnostic| (Level::Default, note);
-        let Some((joined, notes)) = sets.into_iter().find_map(&mut whole) else {
-            if let Some(composed) = with_stand_ins(&modules, file) {
-                return Some(composed);
-            }
-            // What a text lacks does not keep it from being read as the language that it is in.
-            if let Some((current, note)) = from_draft(file) {
-                return Some(Composed { file: current, refused: vec![draft(note)] });
-            }
-            let level = if conditions { Level::Strict } else { Level::Default };
-            let refused = missing.filter(|lacks| !lacks.is_empty())?.into_iter().map(|error| (level, error)).collect();
-            return Some(Composed { file: file.clone(), refused });
-        };
-        let own = notes.into_iter().filter(|note| note.code == EARLY_DRAFT && note.file.name() == file.name());
-        let own: Vec<_> = own.map(draft).collect();
-        let mut refused = refused(&joined, own.is_empty() && !conditions && joined.text() == file.text());
-        refused.extend(own);
-        Some(Composed { file: joined, refused })
+        // A text that was put together of others is read as it stands: every place is one of it.
+        let plain = SourceFile::new(file.name(), file.text());
+        let (whole, file) = (file, if file.is_assembled() { &plain } else { file });
+        let composed = module(file, &modules)?;
+        if !whole.is_assembled() {
+            return Some(composed);
+        }
+        let refused = composed.refused.into_iter().map(|(level, d)| (level, Diagnostic { file: whole.clone(), ..d }));
+        (composed.file.text() == whole.text()).then(|| Composed { file: whole.clone(), refused: refused.collect() })
     })
+}
+
+/// A module with what it imports, and what is said of it.
+fn module(file: &SourceFile, modules: &Mutex<Modules>) -> Option<Composed> {
+    // With all features on, most of a text is seen. Where they exclude each other, it is read as without any.
+    let on: Vec<(String, String)> = features(file).into_iter().map(|name| (name, String::new())).collect();
+    let conditions = !on.is_empty();
+    let sets = if on.is_empty() { vec![on] } else { vec![on, Vec::new()] };
+    // Names that are missing whatever is switched on.
+    let mut missing: Option<Vec<Diagnostic>> = None;
+    let mut whole = |defines| {
+        // Hosts assign bindings where no resource of a text has one.
+        let options = Options { defines, assume_nothing: true, assign_bindings: true, ..Options::default() };
+        let mut modules = modules.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut lacks = match modules.compose(file, &options) {
+            Ok(composed) if composed.undeclared.is_empty() => return Some((composed.file, composed.notes)),
+            Ok(composed) => composed.unknown_names(),
+            Err(_) => modules.unknown_names(file, &options),
+        };
+        lacks.retain(|d| d.file.name() == file.name());
+        if let Some(before) = &missing {
+            lacks.retain(|d| before.iter().any(|b| b.span == d.span));
+        }
+        missing = Some(lacks);
+        None
+    };
+    let draft = |note: Diagnostic| (Level::Default, note);
+    let Some((joined, notes)) = sets.into_iter().find_map(&mut whole) else {
+        if let Some(composed) = with_stand_ins(modules, file) {
+            return Some(composed);
+        }
+        // What a text lacks does not keep it from being read as the language that it is in.
+        if let Some((current, note)) = from_draft(file) {
+            return Some(Composed { file: current, refused: vec![draft(note)] });
+        }
+        let level = if conditions { Level::Strict } else { Level::Default };
+        let refused = missing.filter(|lacks| !lacks.is_empty())?.into_iter().map(|error| (level, error)).collect();
+        return Some(Composed { file: file.clone(), refused });
+    };
+    let own = notes.into_iter().filter(|note| note.code == EARLY_DRAFT && note.file.name() == file.name());
+    let own: Vec<_> = own.map(draft).collect();
+    let mut refused = refused(&joined, own.is_empty() && !conditions && joined.text() == file.text());
+    refused.extend(own);
+    Some(Composed { file: joined, refused })
 }
 
 /// A text in GLSL with the files that it includes, as far as they are there. None for one that includes nothing.

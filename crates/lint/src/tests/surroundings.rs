@@ -1,5 +1,6 @@
 //! What hosts put in the place of comments, branches and holes, and what they define for a text.
 
+use base::diagnostic::Severity;
 use base::text::SourceFile;
 
 use super::open::{by_default, found, only_on_request};
@@ -291,4 +292,22 @@ fn a_name_with_the_mark_of_a_stage_is_read_as_its_text_says() {
         "open Aardvark.Base\n[<EntryPoint>]\nlet main argv =\n    let c = [| C4b.Red |]\n    0\n",
     )]);
     only_on_request(&[("a.fs", "vec4 shade(vec3 n) {\n  return vec4(n, 1.0)\n}\nfloat g() { return 1.0; }\n")], "E001");
+}
+
+#[test]
+fn numbers_that_stand_for_what_a_template_fills_in_say_nothing() {
+    let text = |index: &str| {
+        format!(
+            "var<workgroup> mask: array<atomic<u32>, {{{{ count }}}}u>;\n@compute @workgroup_size(8)\n\
+             fn main(@builtin(local_invocation_index) i: u32) {{\n  if i == 0u {{ atomicStore(&mask[{index}u], 0u); }}\n}}\n"
+        )
+    };
+    assert!(warned(&text("{{ w }}")).is_empty());
+    assert_eq!(warned(&text("7").replace("{{ count }}", "7")), ["K010"]);
+}
+
+/// Codes of warnings about a module in WGSL.
+fn warned(text: &str) -> Vec<&'static str> {
+    let found = run_with(&[Input::new(SourceFile::new("a.wgsl", text))], &Settings::default());
+    found.iter().filter(|d| d.severity == Severity::Warning).map(|d| d.code.0).collect()
 }

@@ -10,9 +10,9 @@ use engine::compare::Compared;
 
 /// A run over two files for the formats of [`crate::ci`].
 pub fn ci(summary: &Summary) -> Run {
-    let Summary { texts, seed, pairs, unpaired, interrupted: _ } = summary;
-    let (pairs, unpaired) = (pairs.clone(), unpaired.clone());
-    let twin = TwinReport { pairs, unpaired, ..TwinReport::of(texts.clone()) };
+    let Summary { texts, seed, pairs, unpaired, errors, interrupted: _ } = summary;
+    let (pairs, unpaired, errors) = (pairs.clone(), unpaired.clone(), errors.clone());
+    let twin = TwinReport { pairs, unpaired, errors, ..TwinReport::of(texts.clone()) };
     twins(&Twins { seed: *seed, twins: vec![twin], ..Twins::default() })
 }
 

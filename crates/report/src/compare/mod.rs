@@ -23,6 +23,8 @@ pub struct Summary {
     pub pairs: Vec<Compared>,
     /// Functions of each text that have no partner.
     pub unpaired: [Vec<Unpaired>; 2],
+    /// The first error of each text of which some functions do not compile.
+    pub errors: Vec<String>,
     /// The signal that ended the run before its time.
     pub interrupted: Option<u8>,
 }

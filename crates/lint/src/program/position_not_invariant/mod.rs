@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use base::diagnostic::{Code, Diagnostic, Message, Safety, Severity, message};
 use base::text::Span;
 use hosts::HostFile;
-use hosts::depth::equal_depth;
+use hosts::depth::{equal_depth, keeps_depth};
 use hosts::paths::folder;
 use rayon::prelude::*;
 use reading::{Project, ShaderFile};
@@ -38,7 +38,11 @@ fn check(project: &Project, findings: &mut Findings<'_>) {
     let all: Vec<Position<'_>> = shaders.into_par_iter().flat_map_iter(Position::all_of).collect();
     let computed = all.iter().filter(|position| position.spelled.as_ref().is_none_or(|spelled| spelled.rounds));
     let all: Vec<&Position<'_>> = computed.collect();
-    of_passes(&all, findings);
+    // Where every pass clears it, none is tested against the depth of another.
+    let kept = project.hosts().filter_map(|host| keeps_depth(host.file.text())).reduce(|any, one| any || one);
+    if kept != Some(false) {
+        of_passes(&all, findings);
+    }
     let mut alike: BTreeMap<&str, Vec<&Position<'_>>> = BTreeMap::new();
     for position in &all {
         if let Some(spelled) = position.spelled.as_ref() {
@@ -236,6 +240,14 @@ mod tests {
             // Drawn alone, it is that of both passes.
             assert_eq!(found(&[(name, text), ("other/colour.vert", COLOUR)]), [], "{name}");
         }
+    }
+
+    #[test]
+    fn a_pass_whose_depth_every_other_one_clears_promises_nothing() {
+        let host =
+            |then: &str| format!("const a = {{ depthLoadOp: 'clear' }};\nconst b = {{ depthLoadOp: '{then}' }};\n");
+        let files = |host: &str| found(&[("prepass.vert", DEPTH), ("colour.vert", COLOUR), ("draw.js", host)]).len();
+        assert_eq!((files(&host("load")), files(&host("clear"))), (1, 0));
     }
 
     #[test]
