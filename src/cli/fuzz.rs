@@ -1,6 +1,7 @@
 //! `shadercheck fuzz`: every function of a shader file on generated inputs, without a suite.
 
 mod job;
+mod known;
 mod reproducible;
 mod stub;
 
@@ -115,12 +116,26 @@ pub struct FuzzArgs {
     /// Which functions of the run: shard `k` modulo N runs function `k`
     #[command(flatten)]
     pub sharing: ShardArgs,
+    /// Leave out what this file knows, so that only new findings count
+    #[arg(long, value_name = "FILE", conflicts_with = "reproducible", hide_short_help = true)]
+    pub baseline: Option<PathBuf>,
+    /// Record all findings and warnings in a file for --baseline
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["baseline", "reproducible"], hide_short_help = true)]
+    pub write_baseline: Option<PathBuf>,
     /// Write the report in every format to this folder
     #[arg(long, value_name = "DIR", conflicts_with = "reproducible")]
     pub report_dir: Option<PathBuf>,
     /// Format of the result
     #[arg(long, value_parser = reported::parser(), default_value = "text")]
     pub format: Reported,
+}
+
+impl FuzzArgs {
+    /// True where something is asked for that a part of the functions cannot give.
+    fn needs_the_whole(&self) -> bool {
+        let files = [&self.report_dir, &self.baseline, &self.write_baseline];
+        self.case.is_some() || self.write_suite || files.iter().any(|file| file.is_some())
+    }
 }
 
 /// Runs the command: the result goes to `out`, progress and complaints to `err`.
@@ -134,8 +149,8 @@ pub struct FuzzArgs {
 pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
     let shard = args.sharing.shard()?;
     anyhow::ensure!(
-        shard.is_none() || (args.case.is_none() && !args.write_suite && args.report_dir.is_none()),
-        "--shard does a part of the functions; --case, --write-suite and --report-dir are for a run without it"
+        shard.is_none() || !args.needs_the_whole(),
+        "--shard does a part of the functions; --case, --write-suite, --report-dir and baselines are for a run without it"
     );
     let _waiting = Waiting::begin();
     let stated = args.input.domains()?;
@@ -168,12 +183,13 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
         anyhow::bail!("--write-suite writes a suite beside a shader file, and {} stands in another file", printed.name);
     }
     let (part, lanes) = open_lanes(args)?;
-    let part = part.with_reports(args.report_dir.clone());
+    let part = part.with_files(args.report_dir.clone(), args.write_baseline.clone());
+    let known = args.baseline.as_deref().map(known::Known::read).transpose()?;
     let lanes = lanes.iter().map(|lane| (lane.as_ref(), Promises::of_lane(lane.description()))).collect();
     let terminal = Terminal::new(args.format, color, out, err);
     let (whole, many) = (shard.is_none(), sources.len() > 1);
     let mut lines = Lines { terminal, args, sources: &sources, many, whole, told: 0 };
-    let mut functions = Functions::new(args, &sources, lanes, Inputs::new(&stated), whole);
+    let mut functions = Functions::new(args, &sources, lanes, Inputs::new(&stated), whole).knowing(known);
     let used = part.lanes().to_vec();
     let key = |shards| job::identity(args, shards, &sources, &used);
     args.sharing.run(&mut functions, part, key, &mut lines)

@@ -112,6 +112,13 @@ impl Baseline {
         self.len() == 0
     }
 
+    /// Takes one finding, where it is known and was not taken as often as that; true then.
+    pub fn takes(&mut self, found: &Diagnostic, path_of: impl Fn(&str) -> String) -> bool {
+        let key = known_of(found, path_of).key();
+        let known = self.findings.iter_mut().find(|known| known.count > 0 && known.key() == key);
+        known.map(|known| known.count -= 1).is_some()
+    }
+
     /// Takes known findings out of `found`, each as often as it is known. `judged` says of a path and
     /// a code whether this run looked for it: what it did not look for is not stale.
     pub fn cover(
@@ -208,6 +215,13 @@ mod tests {
         let found: Vec<_> = (0..4).map(|i| finding(new, "pi", i)).collect();
         let result = old().cover(found.clone(), path, all);
         assert_eq!((result.left, result.covered, result.stale.len()), (vec![found[3].clone()], 3, 0));
+    }
+
+    #[test]
+    fn a_finding_is_taken_as_often_as_it_is_known() {
+        let (mut known, x) = (old(), finding("x = pi;", "pi", 0));
+        assert!(known.takes(&x, path) && known.takes(&x, path) && !known.takes(&x, path));
+        assert!(!known.takes(&finding("z = pi;", "pi", 0), path));
     }
 
     #[test]

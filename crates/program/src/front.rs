@@ -117,8 +117,26 @@ fn validation_error(file: &SourceFile, module: &Module, error: &WithSpan<Validat
             without_handles(&text)
         }
     };
+    // An entry point has its name where its function is; the module keeps no place of it.
+    let name = match inner {
+        ValidationError::EntryPoint { name, .. } => Some(name.as_str()),
+        _ => within.and_then(|(function, _)| function.name.as_deref()),
+    };
+    let span = span.filter(|span| span.is_defined()).or_else(|| name.and_then(|name| declared(file.text(), name)));
     let found = diagnostic(file, span, lowercase_first(&message));
     if is_of_an_extension(inner) { Diagnostic { code: UNSUPPORTED, ..found } } else { found }
+}
+
+/// The name of a function where a text in WGSL declares it.
+fn declared(text: &str, name: &str) -> Option<naga::Span> {
+    let part = |c: char| c.is_alphanumeric() || c == '_';
+    let (at, _) = text.match_indices(name).find(|(at, _)| {
+        let before = text[..*at].trim_end();
+        before.len() < *at
+            && before.strip_suffix("fn").is_some_and(|rest| !rest.ends_with(part))
+            && !text[at + name.len()..].starts_with(part)
+    })?;
+    Some(naga::Span::new(u32::try_from(at).ok()?, u32::try_from(at + name.len()).ok()?))
 }
 
 /// True for the type of a built-in value that WGSL does not have: it differs between versions of the readers.
@@ -227,6 +245,16 @@ mod tests {
         assert!(entry("view_index", "u32").is_empty());
         assert!(entry("view_index", "i32").iter().all(|(code, _)| *code == UNSUPPORTED.0));
         assert!(entry("sample_index", "i32").iter().any(|(code, _)| *code == VALIDATOR.0));
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_function_as_a_whole_is_told_at_its_name() {
+        let text = "// main\nfn domain() { }\n@fragment fn main() -> @location(0) vec4<f32> { domain(); }\n";
+        let Err(ProgramError::Source(found)) = ModuleText::read(&SourceFile::new("a.wgsl", text), Written::Wgsl) else {
+            panic!("it is refused")
+        };
+        assert_eq!(found[0].file.locate(found[0].span.start), "a.wgsl:3:14");
+        assert!(found[0].why.is_none(), "{:?}", found[0]);
     }
 
     #[test]

@@ -86,6 +86,18 @@ fn is_host_include(line: &str) -> bool {
         && PARTS.iter().any(|ending| path.len() > ending.len() && path.ends_with(ending))
 }
 
+/// True for a text in WGSL with declarations that an engine rewrites: `uniform gain: f32;`, `varying uv: vec2f;`.
+pub fn declares_otherwise(text: &str) -> bool {
+    const QUALIFIERS: [&str; 4] = ["uniform", "varying", "attribute", "storage"];
+    let declares = |line: &str| {
+        let rest = QUALIFIERS.iter().find_map(|word| line.trim_start().strip_prefix(word))?;
+        let name = rest.strip_prefix([' ', '\t'])?.trim_start();
+        let word = syntax::words::identifier(name);
+        Some(!word.is_empty() && name[word.len()..].trim_start().starts_with(':'))
+    };
+    text.lines().any(|line| declares(line) == Some(true))
+}
+
 /// True for a text into which directives of a tool bring others.
 pub fn imports(text: &str) -> bool {
     ["#pragma glslify", "#pragma include", "#pragma import"].iter().any(|directive| text.contains(directive))

@@ -7,12 +7,14 @@ use std::vec;
 
 use serde::{Deserialize, Serialize};
 
+use super::known::{self, Known};
 use super::{FuzzArgs, IncludedText, Inputs, all_known, command, stub, subjects};
 use crate::cli::improve;
 use crate::cli::reported;
 use crate::cli::shard::{Absent, Printed, Printing, Terminal, Watch};
 use crate::cli::status::ExitStatus;
 use base::diagnostic::{Diagnostic, Lang};
+use base::text::{Shown as _, counted};
 use engine::fuzz::{self, Domain, Finding, FunctionReport, FuzzFindingKind, Request, Subject};
 use engine::session::{At, Job, Join, Observer, Unlike};
 use engine::shard::Identity;
@@ -48,6 +50,8 @@ pub struct Functions<'a> {
     /// Files that were read, and what is left of the last one.
     read: usize,
     left: vec::IntoIter<Subject>,
+    /// Findings that are left out.
+    baseline: Option<Known>,
 }
 
 /// What is seen of a run.
@@ -67,7 +71,14 @@ impl<'a> Functions<'a> {
         inputs: Inputs<'a>,
         whole: bool,
     ) -> Self {
-        Self { args, sources, lanes, inputs, whole, known: Vec::new(), read: 0, left: Vec::new().into_iter() }
+        let (known, left) = (Vec::new(), Vec::new().into_iter());
+        Self { args, sources, lanes, inputs, whole, known, read: 0, left, baseline: None }
+    }
+
+    /// The same without findings that a file knows.
+    #[must_use]
+    pub fn knowing(self, baseline: Option<Known>) -> Self {
+        Self { baseline, ..self }
     }
 }
 
@@ -159,7 +170,12 @@ impl Job for Functions<'_> {
         if args.case.is_none() && !interrupt::asked() {
             self.improved((file, &subject, &domain), &mut function);
         }
-        at.part.functions.push((number, file, self.sources[file].softened(function)));
+        let mut function = self.sources[file].softened(function);
+        if let Some(baseline) = &mut self.baseline {
+            baseline.cover(&mut function);
+            at.part.note = baseline.note();
+        }
+        at.part.functions.push((number, file, function));
         Ok(())
     }
 }
@@ -236,6 +252,12 @@ pub struct ShardResult {
     /// Where the reports of a whole run go.
     #[serde(skip)]
     reports: Option<PathBuf>,
+    /// The file in which all findings of a whole run are recorded.
+    #[serde(skip)]
+    record: Option<PathBuf>,
+    /// What is left out of a whole run.
+    #[serde(skip)]
+    note: Option<String>,
 }
 
 /// A file of the run.
@@ -256,10 +278,10 @@ impl ShardResult {
         Self { lanes, unavailable: Absent::new(missing), asked, ..Self::default() }
     }
 
-    /// The same, with a folder for the reports.
+    /// The same, with a folder for the reports, and a file for all that is found.
     #[must_use]
-    pub fn with_reports(self, folder: Option<PathBuf>) -> Self {
-        Self { reports: folder, ..self }
+    pub fn with_files(self, reports: Option<PathBuf>, record: Option<PathBuf>) -> Self {
+        Self { reports, record, ..self }
     }
 
     /// The lanes that run.
@@ -291,6 +313,15 @@ impl Printed for ShardResult {
         summary.files = self.files.into_iter().map(file).collect();
         for (_, file, function) in self.functions {
             summary.files[file].functions.push(function);
+        }
+        if let Some(note) = &self.note {
+            writeln!(to.err, "note: {note}")?;
+        }
+        if let Some(path) = &self.record {
+            let count = known::record(path, summary.files.iter().flat_map(|file| &file.functions))?;
+            writeln!(to.err, "{} recorded in {}", counted(count as u64, "finding"), path.shown())?;
+            let ended = summary.interrupted.map(ExitStatus::Interrupted);
+            return Ok(ended.unwrap_or(ExitStatus::Clean));
         }
         if let Some(folder) = &self.reports {
             reported::write_all(folder, &ci(&summary), &json(&summary))?;

@@ -36,6 +36,9 @@ fn outputs_and_inputs_meet_by_location_or_name() {
         ("", "", "", "gl_FragCoord.x"),
         ("uniform float g;", "", "uniform float g;", "g"),
         ("uniform U { vec4 v; } one;", "", "uniform U { vec4 v; } two;", "two.v"),
+        ("uniform U { vec4 v; } one;", "", "uniform vec4 v;", "v"),
+        ("uniform U { vec4 v; };", "", "uniform U { vec4 v; };", "v"),
+        ("uniform U { vec4 v; };", "", "uniform vec4 v;", "1.0"),
     ] {
         let found = codes(&[("a.vert", &vertex(out, body)), ("a.frag", &fragment(input, value))]);
         assert!(found.is_empty(), "{out} {input}: {found:?}");
@@ -55,6 +58,8 @@ fn what_does_not_meet_is_reported_once() {
         ("out vec3 a;", "a = p.xyz;", "noperspective in vec3 a;", "a, 1.0", "I004"),
         ("uniform float g;", "", "uniform vec2 g;", "g, g", "I006"),
         ("uniform U { vec4 v; } one;", "", "uniform U { vec4 w; } two;", "two.w", "I009"),
+        ("uniform U { vec4 v; };", "", "uniform vec4 v;", "v", "I006"),
+        ("uniform vec4 v;", "gl_Position.x = v.x;", "uniform U { vec4 v; };", "v", "I006"),
     ] {
         let found = codes(&[("a.vert", &vertex(out, body)), ("a.frag", &fragment(input, value))]);
         assert_eq!(found, [expected], "{out} {input}");

@@ -295,6 +295,17 @@ fn a_name_with_the_mark_of_a_stage_is_read_as_its_text_says() {
 }
 
 #[test]
+fn declarations_that_an_engine_rewrites_are_of_no_language() {
+    let text = |head: &str, gain: &str| {
+        format!("{head}\n@fragment\nfn fs() -> @location(0) vec4f {{ return vec4f({gain}); }}\n")
+    };
+    let engine = text("uniform gain: f32;\nvarying uv: vec2f;", "uniform.gain");
+    assert!(found(&[("a.wgsl", &engine)]).0.is_empty());
+    by_default(&[("a.wgsl", &text("uniforn gain: f32;", "gain"))], "E001");
+    silent(&[("a.wgsl", &text("var<private> gain: f32;", "gain"))]);
+}
+
+#[test]
 fn numbers_that_stand_for_what_a_template_fills_in_say_nothing() {
     let text = |index: &str| {
         format!(

@@ -13,7 +13,7 @@ use super::{Input, KnownHosts, Project, template};
 use crate::Level;
 use crate::composed::Composed;
 use crate::prelude::{self, Between, Wanted};
-use crate::{conditions, es, open};
+use crate::{conditions, dialect, es, open};
 use analysis::flow::Flow;
 use analysis::range::Observed;
 use hosts::Origin;
@@ -99,7 +99,10 @@ impl ShaderFile {
     }
 
     fn module(input: &Input) -> Self {
-        let alone = Shader::parse_wgsl(&input.file);
+        let mut alone = Shader::parse_wgsl(&input.file);
+        if dialect::declares_otherwise(input.file.text()) {
+            alone.shader = alone.shader.varying();
+        }
         let varies = alone.shader.wgsl().is_some_and(|module| module.varies);
         let joined = input.composer.as_ref().and_then(|composer| composer.join(&input.file));
         let mut shader = match joined {
@@ -135,6 +138,10 @@ impl ShaderFile {
                 shader
             }
         };
+        if dialect::declares_otherwise(input.file.text()) {
+            shader.on_request.append(&mut shader.front_end);
+            shader.refused.iter_mut().for_each(|(level, _)| *level = Level::Strict);
+        }
         shader.conditional = false;
         shader
     }

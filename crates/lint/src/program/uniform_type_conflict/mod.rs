@@ -1,8 +1,9 @@
-//! I006: a uniform with two types.
+//! I006: a uniform with two types, or one that is also a member of a block.
 
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
-use reading::Project;
+use reading::{Project, ShaderFile};
+use syntax::interface::{Block, Storage, Variable};
 
 use reading::program::Program;
 use reading::program::link::agree;
@@ -50,5 +51,47 @@ fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>)
                     )),
             );
         }
+        for other in shaders.iter().filter(|other| other.file.name() != shader.file.name()) {
+            in_a_block(shader, other, findings);
+        }
+    }
+}
+
+/// Uniforms of one stage that are members of a block without an instance name in another: both are names of the one space of
+/// uniforms.
+fn in_a_block(shader: &ShaderFile, other: &ShaderFile, findings: &mut Findings<'_>) {
+    let unnamed =
+        |block: &&Block| block.instance.is_none() && matches!(block.storage, Storage::Uniform | Storage::Buffer);
+    let used = |uniform: &&Variable| shader.shader.uses_of(uniform.symbol).next().is_some();
+    for uniform in shader.shader.interface().uniforms.iter().filter(used) {
+        let blocks = other.shader.interface().blocks.iter().filter(unnamed);
+        let member = |block: &'_ Block| {
+            let member = block.members.iter().find(|member| member.name.name == uniform.name)?;
+            Some((block.name.name.clone(), member.name.span))
+        };
+        let Some((block, place)) = blocks.into_iter().find_map(member) else { continue };
+        let (name, there) = (&uniform.name, other.file.name());
+        findings.push(
+            findings
+                .at(
+                    &shader.file,
+                    uniform.name_span,
+                    message!(
+                        "`{name}` is a uniform of its own here, and a member of the block `{block}` in {there}",
+                        "`{name}` はここでは単独の uniform、{there} ではブロック `{block}` のメンバです"
+                    ),
+                )
+                .with_label(message!("outside of a block", "ブロックの外"))
+                .with_related(&other.file, place, message!("inside of one", "ブロックの中"))
+                .with_why(message!(
+                    "a block without an instance name has its members in the name space that all uniforms share; \
+                     the program does not link",
+                    "インスタンス名のないブロックのメンバは、uniform 全体と同じ名前空間にあり、プログラムはリンクできません"
+                ))
+                .with_help(message!(
+                    "declare the block in both stages, or give one of the two another name",
+                    "両方のステージでブロックを宣言するか、一方の名前を変えてください"
+                )),
+        );
     }
 }
