@@ -594,28 +594,3 @@ fn a_kernel_of_fixed_arrays_is_dispatched_along_the_axis_that_it_asks_for() {
     // Two invocations share a row.
     assert!(run("g.y / 2u", 4).contains("lost update"), "{}", run("g.y / 2u", 4));
 }
-
-#[test]
-fn what_a_baseline_knows_is_left_out_and_what_is_new_is_told() {
-    let folder = tempfile::tempdir().unwrap();
-    let write = |text: &str| fs::write(folder.path().join("a.glsl"), text).unwrap();
-    let run = |more: &str| run_in(folder.path(), &format!("fuzz a.glsl --lane embedded --samples 2048 {more}"));
-    let old = "float f(float x) { return sqrt(x - 8.0); }\n";
-    write(old);
-    run("").expect(1);
-    let ran = run("--write-baseline ci/known.json").expect(2);
-    assert!(ran.err.contains("ci/known.json: cannot be written"), "{ran:?}");
-    let ran = run("--write-baseline known.json").expect(0);
-    assert!(ran.err.contains("1 finding recorded in known.json"), "{ran:?}");
-    // A line that moves stays known; another one with the same fault is new.
-    write(&format!("\n\n{old}"));
-    let ran = run("--baseline known.json").expect(0);
-    assert!(ran.err.contains("1 finding of the baseline left out") && ran.out.contains("0 findings"), "{ran:?}");
-    write(&format!("{old}float g(float y) {{ return sqrt(y - 9.0); }}\n"));
-    let ran = run("--baseline known.json --format github").expect(1);
-    assert!(ran.out.contains("line=2") && !ran.out.contains("line=1,"), "{ran:?}");
-    let ran = run("--baseline nothing.json").expect(2);
-    assert!(ran.err.contains("nothing.json: cannot be read"), "{ran:?}");
-    let ran = run("--baseline known.json --shard 0/2").expect(2);
-    assert!(ran.err.contains("--shard does a part"), "{ran:?}");
-}

@@ -3,6 +3,7 @@
 mod adversary;
 mod alarms;
 mod api;
+mod baseline;
 mod binary;
 mod blame;
 mod built_ins;

@@ -296,3 +296,16 @@ fn a_module_in_a_string_is_read_as_one_in_a_file() {
     assert!(told(&filled).contains("a.ts:6:") && told(&filled).contains("`nope`"), "{}", told(&filled));
     assert_eq!(told(&text("${scale()} * nope")), "");
 }
+
+#[test]
+#[cfg(feature = "run")]
+fn declarations_that_an_engine_rewrites_are_of_no_language() {
+    let told = |word: &str| {
+        let text =
+            format!("{word} gain: f32;\n@fragment\nfn fs() -> @location(0) vec4f {{ return vec4f({word}.gain); }}\n");
+        let folder = folder(&[("a.wgsl", text.as_bytes())]);
+        lint(&at(&folder, ""), |_| {}).out
+    };
+    assert_eq!((told("uniform"), told("varying")), (String::new(), String::new()));
+    assert!(told("uniforn").contains("error[E0"), "{}", told("uniforn"));
+}
