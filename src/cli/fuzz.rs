@@ -242,6 +242,11 @@ pub(super) fn subjects(
                     errors.splice(0..0, found);
                 }
                 let mut subjects = Vec::new();
+                if let Some(first) = errors.first().filter(|_| reading::open::is_rewritten(source.file.text())) {
+                    let first = first.clone().at_origin();
+                    let open = format!("its engine rewrites declarations: {}", first.file.locate(first.span.start));
+                    return Ok((Vec::new(), vec![without(source, &open, &first)]));
+                }
                 if let Some(open) = source.open() {
                     let (slips, others): (Vec<_>, Vec<_>) = errors.into_iter().partition(|error| source.is_slip(error));
                     subjects.extend(others.into_iter().next().map(|error| without(source, open, &error.at_origin())));

@@ -269,3 +269,15 @@ fn what_is_stated_counts_beside_what_is_taken() {
     let ran = fuzz("a.wgsl", text, "--define FANCI=1");
     assert!(ran.out.contains("there is no `override` constant `FANCI`"), "{ran:?}");
 }
+
+#[test]
+fn a_module_that_an_engine_rewrites_is_no_error() {
+    let text = |word: &str| {
+        format!("{word} gain: f32;\n@fragment\nfn fs() -> @location(0) vec4f {{ return vec4f({word}.gain); }}\n")
+    };
+    let ran = fuzz("a.wgsl", &text("uniform"), "");
+    assert!(ran.out.contains("not run: its engine rewrites declarations: a.wgsl:"), "{ran:?}");
+    assert!(!ran.out.contains("does not compile"), "{ran:?}");
+    let ran = fuzz("a.wgsl", &text("uniforn"), "").expect(1);
+    assert!(ran.out.contains("does not compile"), "{ran:?}");
+}

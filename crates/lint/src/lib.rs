@@ -198,6 +198,11 @@ fn leave_doubtful_to_strict(project: &Project, told: &mut [(Level, Diagnostic)])
         }
         let stands = |s: &&&ShaderFile| s.front_end.iter().any(|d| d.code == error.code && d.span == error.span);
         let Some(shader) = shaders.get(error.file.name()).and_then(|all| all.iter().find(stands)) else { continue };
+        // Projects keep shaders of several languages under the endings of one.
+        if error.code == errors::OTHER_LANGUAGE && !shader.named {
+            *level = Level::Strict;
+            continue;
+        }
         let about_a_name = open::is_about_a_name(error);
         let may_be_supplied = || supplied.may_be(error);
         let doubtful = || shader.is_doubtful(error) || rewritten.contains(error.file.name());

@@ -68,6 +68,11 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic], stated: Around) -> Vec<bo
     doubtful
 }
 
+/// True for a module in WGSL with declarations that an engine rewrites: no reader of the language takes it as it stands.
+pub fn is_rewritten(text: &str) -> bool {
+    dialect::declares_otherwise(text)
+}
+
 /// What a text leaves to its surroundings.
 fn of(shader: &Shader, asked: &BTreeSet<String>, found: &[Diagnostic]) -> Around {
     let file = shader.file();

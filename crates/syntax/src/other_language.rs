@@ -52,6 +52,9 @@ fn marks(text: &str, own: Looks) -> Vec<(Looks, Span)> {
         // In GLSL these are names that a macro may give a type.
         ("float2" | "float3" | "float4", name, _) if own == Looks::Wgsl && named(name) => Some(Looks::Hlsl),
         (":", name, _) if name.starts_with("SV_") => Some(Looks::Hlsl),
+        // `static const float4 k`, `Output o = (Output)0;`
+        ("static", "const", name) if named(name) => Some(Looks::Hlsl),
+        ("(", name, ")") if named(name) && word(k + 3) == "0" => Some(Looks::Hlsl),
         _ => None,
     };
     (0..all.len()).filter_map(|k| Some((mark(k)?, all[k].span))).collect()
@@ -60,7 +63,7 @@ fn marks(text: &str, own: Looks) -> Vec<(Looks, Span)> {
 /// Words without which no mark of another language than this is in a text.
 fn words_of_others(own: Looks) -> &'static [&'static str] {
     match own {
-        Looks::Glsl => &["@", "fn ", "cbuffer", "numthreads", "register", "SV_"],
+        Looks::Glsl => &["@", "fn ", "cbuffer", "numthreads", "register", "SV_", "static", ")0", ") 0"],
         Looks::Wgsl => &["version", "layout", "gl_", "main", "cbuffer", "numthreads", "register", "SV_", "float"],
         Looks::Hlsl => &["version", "layout", "gl_", "main", "@", "fn "],
     }
@@ -109,6 +112,8 @@ mod tests {
         assert_eq!(other(glsl, Looks::Wgsl).as_deref(), Some(told));
         assert!(other(wgsl, Looks::Glsl).unwrap().starts_with("a:1:1 the text looks like WGSL"));
         assert!(other(hlsl, Looks::Glsl).unwrap().starts_with("a:1:14 the text looks like HLSL"));
+        let parts = "#include \"in.hlsl\"\nO main(I input)\n{\n  O output = (O)0;\n  return output;\n}\n";
+        assert!(other(parts, Looks::Glsl).unwrap().starts_with("a:4:14 the text looks like HLSL"));
         assert!(other("float3 f(float3 x) { return x; }", Looks::Wgsl).unwrap().contains("HLSL"));
         for (text, own) in [(glsl, Looks::Glsl), (wgsl, Looks::Wgsl)] {
             assert_eq!(other(text, own), None);

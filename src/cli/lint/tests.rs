@@ -309,3 +309,12 @@ fn declarations_that_an_engine_rewrites_are_of_no_language() {
     assert_eq!((told("uniform"), told("varying")), (String::new(), String::new()));
     assert!(told("uniforn").contains("error[E0"), "{}", told("uniforn"));
 }
+
+#[test]
+fn a_text_in_another_language_is_told_where_it_is_named() {
+    let text = "#include \"in.hlsl\"\nOutput main(Input input)\n{\n  Output output = (Output)0;\n  return output;\n}\n";
+    let folder = folder(&[("a.vert", text.as_bytes()), ("b.vert", REPAIRED.as_bytes())]);
+    assert!(!lint(&at(&folder, ""), |_| {}).out.contains("error"), "{}", lint(&at(&folder, ""), |_| {}).out);
+    let named = lint(&at(&folder, "a.vert"), |_| {}).out;
+    assert!(named.contains("error[E077]") && named.contains("looks like HLSL"), "{named}");
+}
