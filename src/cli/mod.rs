@@ -3,6 +3,7 @@
 
 #[cfg(feature = "run")]
 mod bar;
+mod baseline;
 #[cfg(feature = "run")]
 mod below;
 #[cfg(feature = "run")]

@@ -16,6 +16,10 @@ fn what_a_baseline_knows_is_left_out_and_what_is_new_is_told() {
     assert!(ran.err.contains("ci/known.json: cannot be written"), "{ran:?}");
     let ran = run("--write-baseline known.json").expect(0);
     assert!(ran.err.contains("1 finding recorded in known.json"), "{ran:?}");
+    // What does not compile cannot be put off, and is told with its place.
+    fs::write(folder.path().join("broken.glsl"), "float f(float x) { return vec2(x); }\n").unwrap();
+    let ran = run_in(folder.path(), "fuzz broken.glsl --lane embedded --write-baseline other.json").expect(1);
+    assert!(ran.err.contains("broken.glsl:1:") && ran.err.contains("0 findings recorded"), "{ran:?}");
     // A line that moves stays known; another one with the same fault is new.
     write(&format!("\n\n{old}"));
     let ran = run("--baseline known.json").expect(0);

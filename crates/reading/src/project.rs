@@ -277,8 +277,7 @@ impl Project {
         }
         let wrappers = wrappers_of_project(project.hosts.by_path.values());
         project.hosts.by_path.values_mut().for_each(|h| h.add_wrappers(&wrappers));
-        let by_path: HashMap<String, &Input> =
-            files.iter().map(|input| (normalise(input.file.name()), input)).collect();
+        let by_path: ByPath<'_> = files.iter().map(|input| (normalise(input.file.name()), input)).collect();
         for (path, host) in &mut project.hosts.by_path {
             if let Some(input) = by_path.get(path) {
                 input.recall(host);
@@ -293,21 +292,17 @@ impl Project {
             })
             .collect();
         project.embedded.extend(embedded);
-        project.put_together(files);
+        project.put_together(&by_path);
         project
     }
 
     /// Adds the modules that scripts put together of templates.
-    fn put_together(&mut self, files: &[Input]) {
-        if !self.hosts.by_path.values().any(HostFile::is_script) {
-            return;
-        }
-        let files: ByPath<'_> = files.iter().map(|input| (normalise(input.file.name()), input)).collect();
+    fn put_together(&mut self, files: &ByPath<'_>) {
         let hosts: Vec<(&String, &HostFile)> = self.hosts.by_path.iter().collect();
         let found: Vec<((String, usize), Arc<ShaderFile>)> = hosts
             .into_par_iter()
             .flat_map_iter(|(path, host)| {
-                let all = kept::put_together(host, &files);
+                let all = kept::put_together(host, files);
                 let first = host.embedded().len();
                 all.into_iter().enumerate().map(move |(index, shader)| ((path.clone(), first + index), shader))
             })

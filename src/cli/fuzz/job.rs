@@ -320,8 +320,14 @@ impl Printed for ShardResult {
         if let Some(path) = &self.record {
             let count = known::record(path, summary.files.iter().flat_map(|file| &file.functions))?;
             writeln!(to.err, "{} recorded in {}", counted(count as u64, "finding"), path.shown())?;
-            let ended = summary.interrupted.map(ExitStatus::Interrupted);
-            return Ok(ended.unwrap_or(ExitStatus::Clean));
+            // A file that does not compile, and what did not run, cannot be put off.
+            for error in summary.files.iter().flat_map(|file| &file.errors) {
+                to.err.write_all(report::diagnostics::text(error, Lang::En, color).as_bytes())?;
+            }
+            return Ok(match status_of(&summary, to.err)? {
+                ExitStatus::Findings if summary.totals().broken == 0 => ExitStatus::Clean,
+                status => status,
+            });
         }
         if let Some(folder) = &self.reports {
             reported::write_all(folder, &ci(&summary), &json(&summary))?;

@@ -1,16 +1,12 @@
-//! The baseline on disk: paths in it start at its own folder, so that it means the same wherever the
-//! command is called.
+//! The baseline of a run of the linter.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 
-use crate::cli::paths::relative;
+use crate::cli::baseline::{folder_of, path_in, read, save};
 use base::diagnostic::Diagnostic;
-use base::text::Shown;
-use disk::fresh;
 use lint::baseline::{Baseline, Covered};
 
 use super::files::Loaded;
@@ -27,15 +23,10 @@ pub struct Known {
 impl Known {
     /// Prepares for a baseline at `path`; it need not exist.
     pub fn new(path: &Path, loaded: &Loaded) -> Self {
-        let folder = real(path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new(".")));
+        let folder = folder_of(path);
         let reported = loaded.inputs.iter().filter(|i| i.reported).map(|i| i.file.name());
-        let paths = reported
-            .filter_map(|name| {
-                let file = loaded.path(name)?;
-                let parent = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-                Some((name.to_owned(), relative(&folder, &real(parent).join(file.file_name()?))))
-            })
-            .collect();
+        let paths =
+            reported.filter_map(|name| Some((name.to_owned(), path_in(&folder, loaded.path(name)?)?))).collect();
         Self { path: path.to_owned(), folder, paths }
     }
 
@@ -46,16 +37,14 @@ impl Known {
     /// Writes a baseline that knows these findings; gives their number.
     pub fn write(&self, found: &[Diagnostic]) -> Result<usize> {
         let baseline = Baseline::of(found, |name| self.path_of(name));
-        self.save(&baseline)?;
+        save(&self.path, &baseline)?;
         Ok(baseline.len())
     }
 
     /// Takes out the findings that the baseline knows. With `prune`, what is not found any more is
     /// removed from the file.
     pub fn cover(&self, found: Vec<Diagnostic>, groups: &Groups, prune: bool) -> Result<Covered> {
-        let name = self.path.shown();
-        let text = fs::read_to_string(&self.path).with_context(|| format!("{name}: cannot be read"))?;
-        let baseline = Baseline::parse(&text).with_context(|| name.to_string())?;
+        let baseline = read(&self.path)?;
         let names: BTreeMap<&str, &str> =
             self.paths.iter().map(|(name, path)| (path.as_str(), name.as_str())).collect();
         let judged = |file: &str, code: &str| match names.get(file) {
@@ -65,17 +54,8 @@ impl Known {
         };
         let covered = baseline.cover(found, |name| self.path_of(name), judged);
         if prune && !covered.stale.is_empty() {
-            self.save(&baseline.without(&covered.stale))?;
+            save(&self.path, &baseline.without(&covered.stale))?;
         }
         Ok(covered)
     }
-
-    fn save(&self, baseline: &Baseline) -> Result<()> {
-        fresh::write(&self.path, baseline.to_text().as_bytes())
-            .with_context(|| format!("{}: cannot be written", self.path.shown()))
-    }
-}
-
-fn real(path: &Path) -> PathBuf {
-    fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
 }

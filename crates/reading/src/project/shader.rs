@@ -100,7 +100,8 @@ impl ShaderFile {
 
     fn module(input: &Input) -> Self {
         let mut alone = Shader::parse_wgsl(&input.file);
-        if dialect::declares_otherwise(input.file.text()) {
+        let rewritten = dialect::declares_otherwise(input.file.text());
+        if rewritten {
             alone.shader = alone.shader.varying();
         }
         let varies = alone.shader.wgsl().is_some_and(|module| module.varies);
@@ -138,7 +139,7 @@ impl ShaderFile {
                 shader
             }
         };
-        if dialect::declares_otherwise(input.file.text()) {
+        if rewritten {
             shader.on_request.append(&mut shader.front_end);
             shader.refused.iter_mut().for_each(|(level, _)| *level = Level::Strict);
         }

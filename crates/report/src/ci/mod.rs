@@ -127,7 +127,7 @@ pub fn by_name(name: &str) -> Option<&'static Format> {
 }
 
 /// File, line and column of `name:line:column`; the whole text, and no place in it, where it is no such place.
-pub(crate) fn place(at: &str) -> (&str, Option<(usize, usize)>) {
+pub fn place(at: &str) -> (&str, Option<(usize, usize)>) {
     let mut parts = at.rsplitn(3, ':');
     let number = |part: Option<&str>| part.and_then(|part| part.parse().ok());
     let (column, line) = (number(parts.next()), number(parts.next()));
