@@ -22,6 +22,7 @@ mod flaky;
 mod fuzz;
 mod fuzz_realistic;
 mod geometry;
+mod glances;
 mod glsl_differential;
 mod halves;
 mod hostile;

@@ -6,7 +6,7 @@ use engine::suite::run::soundness::{Request, Soundness, check, halved};
 use engine::suite::run::{Prepared, prepare};
 use engine::suite::{load_all, parse, search, shipped};
 use judge::profile::{Op, by_name};
-use judge::tape::{Model, Tape};
+use judge::tape::{Glance, Model, Tape};
 use judge::verdict::Oracle;
 use lanes::Stage;
 use program::interp::{self, Binary64, FUEL, Machine, OutputColumn, SLOTS};
@@ -308,10 +308,15 @@ fn the_first_look_allows_no_more_than_the_bound() {
             let tape = || Tape::new(Model::Device { profile, stage: Stage::Compute, rearranged });
             let mut moving = Machine::new(&executable, tape().with_tangents(), FUEL);
             let mut whole = Machine::new(&executable, tape(), FUEL);
+            let glance = Glance::new(Model::Device { profile, stage: Stage::Compute, rearranged }, &[]);
+            let mut glance = glance.map(|glance| Machine::new(&executable, glance, FUEL));
             for first in (0..batch.invocation_count()).step_by(SLOTS) {
                 let slots = moving.run(&batch, first);
                 plain.run(&batch, first);
                 whole.run(&batch, first);
+                if let Some(glance) = &mut glance {
+                    glance.run(&batch, first);
+                }
                 for (vertex, word) in (0..plain.room()).flat_map(|v| (0..plain.width()).map(move |w| (v, w))) {
                     let at = (moving.output(vertex, word), whole.output(vertex, word), plain.output(vertex, word));
                     let (OutputColumn::Real(&a), OutputColumn::Real(&b), OutputColumn::Real(values)) = at else {
@@ -326,6 +331,14 @@ fn the_first_look_allows_no_more_than_the_bound() {
                         let sound = allowed[slot].is_nan() || (allowed[slot] <= bound && bound.is_finite());
                         assert!(sound, "{name} {}: {:e} of {bound:e}", profile.name, allowed[slot]);
                         known += usize::from(allowed[slot] > 0.25 * bound);
+                        if let Some((glance, OutputColumn::Real(&seen))) =
+                            glance.as_ref().map(|glance| (glance.as_domain(), glance.output(vertex, word)))
+                        {
+                            let glanced = glance.allowance(seen)[slot];
+                            assert_eq!(glance.values(seen)[slot].to_bits(), meant[slot].to_bits(), "{name} {word}");
+                            let sound = glanced.is_nan() || (glanced <= bound && bound.is_finite());
+                            assert!(sound, "{name} {}: a glance {glanced:e} of {bound:e}", profile.name);
+                        }
                     }
                 }
             }

@@ -23,12 +23,22 @@ impl HeldNodes {
         self.made = 0;
     }
 
+    /// The place of a node that nobody needs any more.
+    pub(super) fn reuse(&mut self) -> Option<Id> {
+        self.free.pop()
+    }
+
     /// True when a chunk has made as many nodes as it may: loops without end have to stop.
     pub(super) fn is_full(&self) -> bool {
         self.made >= MOST
     }
 
-    fn make(&mut self, id: Id) {
+    /// Nodes that the chunk has made.
+    pub(super) fn made(&self) -> usize {
+        self.made
+    }
+
+    pub(super) fn make(&mut self, id: Id) {
         if self.counts.len() <= id as usize {
             self.counts.resize(id as usize + 1, 0);
         }
@@ -37,7 +47,7 @@ impl HeldNodes {
     }
 
     /// A register goes from one node to another, at the end of an operation.
-    fn swap(&mut self, old: Id, new: Id) {
+    pub(super) fn swap(&mut self, old: Id, new: Id) {
         self.counts[new as usize] += 1;
         let Self { counts, free, fresh, .. } = self;
         if old != 0 {
@@ -57,7 +67,7 @@ impl Tape<'_> {
             meta.site = meta.site.map(Site::without_precise);
         }
         let Some(tangents) = &mut self.tangents else { return self.arena.push(meta) };
-        let id = match tangents.held.free.pop() {
+        let id = match tangents.held.reuse() {
             Some(id) => {
                 self.arena.put(id, meta);
                 id

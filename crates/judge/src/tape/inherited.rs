@@ -53,7 +53,9 @@ pub(super) fn root_by_inverse(model: &Model<'_>, x: Arg<'_>, value: &Slots, carr
 /// Local error of x^y.
 pub(super) fn power(model: &Model<'_>, args: [Arg<'_>; 2], value: &Slots, carried: &Slots, local: &mut Slots) {
     if model.definition(Op::Pow).is_some() {
-        power_by_exp2(model, args, value, carried, local);
+        let mut logarithm = [0.0; SLOTS];
+        number::LOG2.column(args[0].value, &mut logarithm);
+        power_by_exp2(model, args, &logarithm, (value, carried), number::exp_m1_all, local);
     } else {
         model.local(Op::Pow, &args, value, carried, local);
     }
@@ -109,14 +111,20 @@ pub(super) fn power_at_zero(model: &Model<'_>, args: [Arg<'_>; 2], out: Out2<'_>
     }
 }
 
-/// Local error of x^y where it inherits from exp2(y·log2(x)): all steps of the definition.
-fn power_by_exp2(model: &Model<'_>, args: [Arg<'_>; 2], value: &Slots, carried: &Slots, local: &mut Slots) {
+/// Local error of x^y where it inherits from exp2(y·log2(x)): all steps of the definition. `grow` puts e^t − 1 or more in the
+/// place of numbers t.
+pub(super) fn power_by_exp2(
+    model: &Model<'_>,
+    args: [Arg<'_>; 2],
+    logarithm: &Slots,
+    (value, carried): (&Slots, &Slots),
+    grow: impl Fn(&mut [f64]),
+    local: &mut Slots,
+) {
     let [x, y] = args;
-    let mut logarithm = [0.0; SLOTS];
     let mut exponent = [0.0; SLOTS];
     let (mut by_log, mut by_product, mut by_power) = ([0.0; SLOTS], [0.0; SLOTS], [0.0; SLOTS]);
     let mut log_moves = [0.0; SLOTS];
-    number::LOG2.column(x.value, &mut logarithm);
     number::wide(|| {
         for slot in 0..SLOTS {
             let (x, e) = (x.value[slot], x.radius[slot]);
@@ -125,7 +133,7 @@ fn power_by_exp2(model: &Model<'_>, args: [Arg<'_>; 2], value: &Slots, carried: 
             exponent[slot] = y.value[slot] * logarithm[slot];
         }
     });
-    model.local(Op::Log2, &[x], &logarithm, &log_moves, &mut by_log);
+    model.local(Op::Log2, &[x], logarithm, &log_moves, &mut by_log);
     let mut product_moves = [0.0; SLOTS];
     number::wide(|| {
         for slot in 0..SLOTS {
@@ -133,7 +141,7 @@ fn power_by_exp2(model: &Model<'_>, args: [Arg<'_>; 2], value: &Slots, carried: 
             product_moves[slot] = (y.value[slot].abs() + y.radius[slot]) * log + y.radius[slot] * logarithm[slot].abs();
         }
     });
-    let log = Arg { value: &logarithm, radius: &by_log };
+    let log = Arg { value: logarithm, radius: &by_log };
     model.local(Op::Mul, &[log, y], &exponent, &product_moves, &mut by_product);
     let (mut exponent_moves, mut inside) = ([0.0; SLOTS], [0.0; SLOTS]);
     let mut power_moves = [0.0; SLOTS];
@@ -147,7 +155,7 @@ fn power_by_exp2(model: &Model<'_>, args: [Arg<'_>; 2], value: &Slots, carried: 
     });
     let argument = Arg { value: &exponent, radius: &exponent_moves };
     for grown in [&mut power_moves, &mut inside] {
-        number::exp_m1_all(grown);
+        grow(grown);
     }
     number::wide(|| (0..SLOTS).for_each(|slot| power_moves[slot] *= value[slot]));
     model.local(Op::Exp2, &[argument], value, &power_moves, &mut by_power);

@@ -3,6 +3,7 @@
 use super::Tape;
 use super::arena::{Id, Meta, NodeKind, Slots};
 use super::columns::{WORTH_A_COLUMN, column1, column2};
+use super::definitions::Definitions;
 use super::functions::{Image1, Image2, image1, image2};
 use super::inherited::{at_zero, power, power_at_zero, root_by_inverse};
 use super::kernels::{self, KernelNode, Once, Out1, Out2, or_infinite, reach};
@@ -10,7 +11,7 @@ use super::model::Arg;
 use super::paths::PathStep;
 use super::rounded::either_side;
 use crate::profile::grid::MIN_NORMAL;
-use crate::profile::{Definition, Op, Unlisted};
+use crate::profile::{Op, Unlisted};
 
 use program::interp::{Mask, SLOTS, Site, Unary};
 
@@ -30,159 +31,21 @@ impl Tape<'_> {
         }
     }
 
-    /// A function of one number, by the definition that it inherits from where it has one.
-    fn function1(&mut self, site: Site, op: Op, active: &Mask, a: Id) -> Id {
-        let Some((definition, or)) = self.model.definition(op) else { return self.one(site, op, active, a) };
-        self.enter();
-        let id = match definition {
-            Definition::SqrtByInverseSqrt => self.one(site, op, active, a),
-            Definition::SinOverCos => {
-                let (sin, cos) = (self.function1(site, Op::Sin, active, a), self.function1(site, Op::Cos, active, a));
-                self.two(site, Op::Div, active, sin, cos)
-            }
-            Definition::SinhOverCosh => {
-                let (sinh, cosh) =
-                    (self.function1(site, Op::Sinh, active, a), self.function1(site, Op::Cosh, active, a));
-                self.two(site, Op::Div, active, sinh, cosh)
-            }
-            Definition::AsinByAtan2 => {
-                let side = self.cathetus(site, active, a);
-                self.two(site, Op::Atan2, active, a, side)
-            }
-            Definition::AcosByAtan2 => {
-                let side = self.cathetus(site, active, a);
-                self.two(site, Op::Atan2, active, side, a)
-            }
-            Definition::SinhByExp | Definition::CoshByExp => {
-                let sign = if definition == Definition::SinhByExp { -1.0 } else { 1.0 };
-                let rising = self.function1(site, Op::Exp, active, a);
-                let negative = self.sum(Some(site), Op::Neg, a, a, (-1.0, 0.0));
-                let falling = self.function1(site, Op::Exp, active, negative);
-                let both = self.sum(Some(site), Op::Add, rising, falling, (1.0, sign));
-                self.scaled(site, both, 0.5)
-            }
-            Definition::AsinhByLog | Definition::AcoshByLog => {
-                let sign = if definition == Definition::AsinhByLog { 1.0 } else { -1.0 };
-                let square = self.product(site, Op::Mul, a, a);
-                let one = self.number(1.0);
-                let shifted = self.sum(Some(site), Op::Add, square, one, (1.0, sign));
-                let root = self.function1(site, Op::Sqrt, active, shifted);
-                let sum = self.sum(Some(site), Op::Add, a, root, (1.0, 1.0));
-                self.function1(site, Op::Log, active, sum)
-            }
-            Definition::AtanhByLog => {
-                let one = self.number(1.0);
-                let above = self.sum(Some(site), Op::Add, one, a, (1.0, 1.0));
-                let below = self.sum(Some(site), Op::Sub, one, a, (1.0, -1.0));
-                let quotient = self.two(site, Op::Div, active, above, below);
-                let log = self.function1(site, Op::Log, active, quotient);
-                self.scaled(site, log, 0.5)
-            }
-            Definition::FractByFloor => {
-                let floor = self.function1(site, Op::Floor, active, a);
-                self.sum(Some(site), Op::Sub, a, floor, (1.0, -1.0))
-            }
-            Definition::RadiansByProduct => self.scaled(site, a, std::f64::consts::PI / 180.0),
-            Definition::DegreesByProduct => self.scaled(site, a, 180.0 / std::f64::consts::PI),
-            // Definitions of operations on two numbers or on vectors.
-            Definition::PowByExp2
-            | Definition::ModByFloor
-            | Definition::RemByTrunc
-            | Definition::MultiplyAdd
-            | Definition::MixByWeights
-            | Definition::SmoothStepByCubic
-            | Definition::SumOfProducts
-            | Definition::LengthByDot
-            | Definition::DistanceByLength
-            | Definition::NormalizeByInverseSqrt
-            | Definition::NormalizeByLength
-            | Definition::DifferenceOfProducts
-            | Definition::ReflectByDot
-            | Definition::RefractByDot
-            | Definition::FaceForwardByDot
-            | Definition::MatrixBySums => self.one(site, op, active, a),
-        };
-        self.leave();
-        self.inherited(site, op, id, or)
-    }
-
-    /// √(1 − x²).
-    fn cathetus(&mut self, site: Site, active: &Mask, a: Id) -> Id {
-        let square = self.product(site, Op::Mul, a, a);
-        let one = self.number(1.0);
-        let rest = self.sum(Some(site), Op::Sub, one, square, (1.0, -1.0));
-        self.function1(site, Op::Sqrt, active, rest)
-    }
-
     /// An operation on two numbers.
     pub(super) fn apply2(&mut self, site: Site, op: Op, active: &Mask, a: Id, b: Id) -> Id {
         let (a, b) = (self.operand(site, a), self.operand(site, b));
         match op {
-            Op::Add => return self.sum(Some(site), op, a, b, (1.0, 1.0)),
-            Op::Sub => return self.sum(Some(site), op, a, b, (1.0, -1.0)),
-            Op::Mul => return self.product(site, op, a, b),
-            _ => {}
-        }
-        let Some((definition, or)) = self.model.definition(op) else { return self.two(site, op, active, a, b) };
-        self.enter();
-        let id = match definition {
-            Definition::RemByTrunc | Definition::ModByFloor => {
-                let whole = if definition == Definition::RemByTrunc { Op::Trunc } else { Op::Floor };
-                let quotient = self.two(site, Op::Div, active, a, b);
-                let whole = self.function1(site, whole, active, quotient);
-                let product = self.product(site, Op::Mul, b, whole);
-                self.sum(Some(site), Op::Sub, a, product, (1.0, -1.0))
-            }
-            _ => self.two(site, op, active, a, b),
-        };
-        self.leave();
-        self.inherited(site, op, id, or)
-    }
-
-    /// The result of an operation by its definition: what is allowed in any case, and the step outward
-    /// that a profile may take around the operation as a whole, after those of the definition.
-    fn inherited(&mut self, site: Site, op: Op, id: Id, or: f64) -> Id {
-        let id = self.allow(id, or);
-        if !self.model.is_outward() {
-            return id;
-        }
-        let at = id as usize;
-        let (value, radius) = (self.arena.value.get(at), self.arena.radius.get(at));
-        let step: Slots = std::array::from_fn(|slot| self.model.outward(value[slot].abs() + radius[slot]));
-        let none = step.iter().all(|step| *step == 0.0);
-        if none { id } else { self.identity(Some(site), Some(op), id, &step) }
-    }
-
-    /// 1/√x as the factor of `normalize`: 1/length where the profile defines it so.
-    fn normal_scale(&mut self, site: Site, active: &Mask, a: Id) -> Id {
-        match self.model.definition(Op::Normalize) {
-            Some((Definition::NormalizeByLength, _)) => {
-                self.enter();
-                let length = self.function1(site, Op::Sqrt, active, a);
-                let one = self.number(1.0);
-                // x/length(x) is rounded once, x·(1/length(x)) twice: the bound covers both.
-                let scale = self.two(site, Op::Div, active, one, length);
-                self.leave();
-                scale
-            }
-            _ => self.one(site, Op::InverseSqrt, active, a),
+            Op::Add => self.sum(Some(site), op, a, b, (1.0, 1.0)),
+            Op::Sub => self.sum(Some(site), op, a, b, (1.0, -1.0)),
+            Op::Mul => self.product(site, op, a, b),
+            _ => self.function2(site, op, active, a, b),
         }
     }
 
-    fn number(&mut self, value: f64) -> Id {
-        self.leaf(|v| v.fill(value))
-    }
-
-    /// The product with a constant, which the device has as the nearest binary32 number.
-    fn scaled(&mut self, site: Site, a: Id, factor: f64) -> Id {
-        let id = self.number(factor);
-        let id = self.allow(id, (f64::from(factor as f32) - factor).abs());
-        self.product(site, Op::Mul, a, id)
-    }
-
-    /// The node, off by `error` more.
-    fn allow(&mut self, id: Id, error: f64) -> Id {
-        if error > 0.0 { self.identity(None, None, id, &[error; SLOTS]) } else { id }
+    /// How far the ends of what a profile accepts of a node are moved outward.
+    pub(super) fn step_outward(&self, id: Id) -> Slots {
+        let (value, radius) = (self.arena.value.get(id as usize), self.arena.radius.get(id as usize));
+        std::array::from_fn(|slot| self.model.outward(value[slot].abs() + radius[slot]))
     }
 
     /// The same value once more, with an error of its own: what is added is not regrouped.
@@ -338,7 +201,7 @@ impl Tape<'_> {
     }
 
     /// A function of one number as a node of its own.
-    fn one(&mut self, site: Site, op: Op, active: &Mask, a: Id) -> Id {
+    pub(super) fn one(&mut self, site: Site, op: Op, active: &Mask, a: Id) -> Id {
         let flushes = self.model.flushes() && self.arena.nodes[a as usize].tiny;
         let open = self.is_open_at_ties(site);
         let steps = self.steps((site, op), active, a, flushes);
@@ -390,7 +253,7 @@ impl Tape<'_> {
     }
 
     /// A function of two numbers as a node of its own.
-    fn two(&mut self, site: Site, op: Op, active: &Mask, a: Id, b: Id) -> Id {
+    pub(super) fn two(&mut self, site: Site, op: Op, active: &Mask, a: Id, b: Id) -> Id {
         let flushes = [a, b].map(|id| self.arena.nodes[id as usize].tiny && self.model.flushes());
         let steps = self.edge(op, active, [a, b], flushes);
         let partials = [self.arena.partial(), self.arena.partial()];

@@ -14,7 +14,7 @@ use crate::profile::{Allowed, Op};
 use program::interp::{Mask, SLOTS};
 
 /// Rounding of the displacement itself, in binary64: some thousand operations are off by less than this part.
-const ROUNDING: f64 = 1.0 / (1_u64 << 36) as f64;
+pub(super) const ROUNDING: f64 = 1.0 / (1_u64 << 36) as f64;
 
 /// What a tape has on the way to outputs, beside what it remembers in any case.
 #[derive(Default)]
@@ -187,6 +187,12 @@ impl Tape<'_> {
     /// When the tape was made without displacements: a defect of the caller.
     pub fn unpromised(&self, output: Column) -> Mask {
         self.tangents().open[self.id(&output) as usize].unpromised
+    }
+
+    /// How far a device may be from the values of a column, over everything before it.
+    #[cfg(test)]
+    pub(super) fn radii(&self, output: Column) -> &Slots {
+        self.arena.radius.get(self.id(&output) as usize)
     }
 
     /// The displacement of a new node, whose other columns are complete.

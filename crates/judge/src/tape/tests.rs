@@ -13,7 +13,7 @@ use program::lower::Target;
 
 /// `float f(…) { … }` as an executable, with a batch of one call.
 pub(super) fn call(function: &str, arguments: &[f32]) -> (Executable, Batch) {
-    let file = SourceFile::new("f.glsl", format!("#version 150 core\n{function}\n"));
+    let file = SourceFile::new("f.glsl", format!("#version 450 core\n{function}\n"));
     let program = Program::from_source(&file, syntax::Stage::Library, |_| Ok(Target::Function("f".into()))).unwrap();
     let batch = Batch {
         invocation_record: Arc::new(program.invocation_record()),

@@ -6,18 +6,15 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::first_look::{self, ColumnValues, look};
-use super::fit::{far_apart, unfit};
 use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Verdict};
 use super::oracle::JudgeContext;
 use super::parallel::{Idle, parts};
-use super::reference::{Evaluator, Expected};
+use super::scan::{OpenSample, Scanned, Scanner};
 use super::second_pass::SecondPass;
 use super::undefined::{self, Looker};
 use crate::profile::Op;
-use crate::tape::Tape;
 use base::value::Batch;
-use program::interp::{Binary64, Domain, Machine, Mask, SLOTS, Site};
+use program::interp::Site;
 use program::lane::{Actual, interrupt};
 
 /// An invocation that deviates.
@@ -173,7 +170,7 @@ const FEW: usize = 512;
 /// When `actual` is not of this batch: a defect of the caller.
 ///
 /// ```
-/// use base::value::Batch;
+/// use base::value::{Batch, Scalar};
 /// use judge::verdict::{BatchVerdict, JudgeContext, judge_batch};
 /// use program::lane::Actual;
 ///
@@ -187,7 +184,7 @@ const FEW: usize = 512;
 /// A comparison of a side with itself does not compile. This is the same text but for one type:
 ///
 /// ```compile_fail,E0308
-/// use base::value::Batch;
+/// use base::value::{Batch, Scalar};
 /// use judge::verdict::{BatchVerdict, JudgeContext, judge_batch};
 /// use program::interp::Meaning;
 ///
@@ -203,12 +200,25 @@ pub fn judge_batch(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) -
 pub struct Judges<'a> {
     context: JudgeContext<'a>,
     idle: Idle<Judge<'a>>,
+    /// Whether most samples are settled by a [`Glance`].
+    glances: bool,
 }
 
 impl<'a> Judges<'a> {
     /// For batches of one program on one lane.
     pub fn new(context: &JudgeContext<'a>) -> Self {
-        Self { context: *context, idle: Idle::default() }
+        Self { context: *context, idle: Idle::default(), glances: true }
+    }
+
+    /// The same without the glance that comes first: verdicts are equal, and come later. For tests and benchmarks.
+    #[must_use]
+    pub fn without_glances(self) -> Self {
+        Self { glances: false, ..self }
+    }
+
+    /// Samples that were glanced at, and those of them that needed no more.
+    pub fn glanced(&self) -> [u64; 2] {
+        self.idle.sum(|judge| judge.scanner.glanced())
     }
 
     /// The same as [`judge_batch`].
@@ -220,7 +230,7 @@ impl<'a> Judges<'a> {
         assert_eq!(actual.count(), count, "outputs of another batch");
         let chunks = self.idle.parts(
             count.div_ceil(CHUNK),
-            || Judge::new(&self.context),
+            || Judge::new(&self.context, self.glances),
             |judge, chunk| match chunk > 0 && interrupt::asked() {
                 true => BatchVerdict::default(),
                 false => judge.judge(batch, actual, chunk * CHUNK..((chunk + 1) * CHUNK).min(count)),
@@ -243,11 +253,11 @@ pub fn judge_each(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) ->
     assert_eq!(actual.count(), count, "outputs of another batch");
     let chunks = parts(
         count.div_ceil(FEW),
-        || Judge::new(context),
+        || Judge::new(context, true),
         |judge, chunk| {
             let range = chunk * FEW..((chunk + 1) * FEW).min(count);
             let (first, mut verdicts) = (range.start, vec![Verdict::Agree(Promise::Text); range.len()]);
-            let Scanned { open, measured, .. } = judge.scan(batch, actual, range);
+            let Scanned { open, measured, .. } = judge.scanner.scan(batch, actual, range);
             measured.into_iter().for_each(|k| verdicts[k - first] = Verdict::Agree(Promise::Measured));
             for (invocation, verdict) in judge.settle(batch, actual, open) {
                 verdicts[invocation - first] = verdict;
@@ -264,63 +274,26 @@ pub fn judge_each(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) ->
 /// When `actual` is not of this batch: a defect of the caller.
 pub fn judge_at(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual, invocation: usize) -> Verdict {
     assert_eq!(actual.count(), batch.invocation_count(), "outputs of another batch");
-    let mut judge = Judge::new(context);
-    let Scanned { open, measured, .. } = judge.scan(batch, actual, invocation..invocation + 1);
+    let mut judge = Judge::new(context, true);
+    let Scanned { open, measured, .. } = judge.scanner.scan(batch, actual, invocation..invocation + 1);
     let promise = if measured.is_empty() { Promise::Text } else { Promise::Measured };
     let judged = judge.settle(batch, actual, open).into_iter().next();
     judged.map_or(Verdict::Agree(promise), |(_, verdict)| verdict)
 }
 
-/// An invocation that the first look leaves open.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct OpenSample {
-    pub invocation: usize,
-    /// The shader may not mean what the formula says.
-    pub shader: bool,
-    /// The lane may not give what the shader means.
-    pub lane: bool,
-    /// An undefined value came up on the way.
-    pub undefined: bool,
-}
-
 /// What one thread judges with.
 struct Judge<'a> {
     context: JudgeContext<'a>,
-    /// What the module means, and how far a device may surely be off by the first promise.
-    moving: Option<Machine<'a, Tape<'a>>>,
-    /// The same as measured.
-    measured: Option<Machine<'a, Tape<'a>>>,
-    /// What the module means, where loops are too long for a tape.
-    meaning: Option<Machine<'a, Binary64>>,
-    /// Where literals are not binary32 numbers: what the author wrote.
-    ideal: Option<Machine<'a, Binary64>>,
-    evaluator: Evaluator<'a>,
-    expected: Expected,
+    scanner: Scanner<'a>,
     second: SecondPass<'a>,
     looker: Looker<'a>,
 }
 
-/// What the first look finds.
-#[derive(Default)]
-struct Scanned {
-    /// What it leaves open.
-    open: Vec<OpenSample>,
-    /// Invocations for which nothing is promised, and which are as the device was measured.
-    measured: Vec<usize>,
-    /// The largest error of those that are right, in ULP.
-    max_ulp: f64,
-}
-
 impl<'a> Judge<'a> {
-    fn new(context: &JudgeContext<'a>) -> Self {
+    fn new(context: &JudgeContext<'a>, glances: bool) -> Self {
         Self {
             context: *context,
-            moving: first_look::machine(context),
-            measured: context.measured().map(|model| context.oracle.moving_tape(model)),
-            meaning: None,
-            ideal: context.oracle.ideal(),
-            evaluator: Evaluator::new(context.reference),
-            expected: Expected::default(),
+            scanner: Scanner::new(context, glances),
             second: SecondPass::new(context),
             looker: Looker::new(context.oracle),
         }
@@ -361,7 +334,7 @@ impl<'a> Judge<'a> {
 
     fn judge(&mut self, batch: &Batch, actual: &Actual, range: std::ops::Range<usize>) -> BatchVerdict {
         let count = range.len();
-        let Scanned { open, measured, max_ulp } = self.scan(batch, actual, range);
+        let Scanned { open, measured, max_ulp } = self.scanner.scan(batch, actual, range);
         let agreed = (count - open.len()) as u64;
         let mut verdict = BatchVerdict { agreed, max_ulp, ..BatchVerdict::default() };
         verdict.agreed_by[Promise::Text as usize] = agreed - measured.len() as u64;
@@ -377,118 +350,4 @@ impl<'a> Judge<'a> {
         verdict.faded = self.second.take_faded();
         verdict
     }
-
-    /// The first look at some invocations.
-    fn scan(&mut self, batch: &Batch, actual: &Actual, range: std::ops::Range<usize>) -> Scanned {
-        let mut scanned = Scanned::default();
-        let mut unpromised = Vec::new();
-        for first in range.clone().step_by(SLOTS) {
-            let invocations: Vec<usize> = (first..range.end.min(first + SLOTS)).collect();
-            let Self { context, moving, measured, meaning, ideal, evaluator, expected, .. } = self;
-            if let Some(ideal) = ideal {
-                ideal.run(batch, first);
-            }
-            let mut chunk = Chunk {
-                context,
-                ideal: ideal.as_ref(),
-                evaluator,
-                expected,
-                unpromised: measured.is_some().then_some(&mut unpromised),
-                scanned: &mut scanned,
-            };
-            if let Some(machine) = moving {
-                machine.run(batch, first);
-                if machine.as_domain().has_given_up() {
-                    // It would again and again; the second look says of each sample what the first would.
-                    *moving = None;
-                }
-            }
-            match moving {
-                Some(machine) => chunk.judge(machine, batch, actual, &invocations),
-                None => {
-                    let machine = meaning.get_or_insert_with(|| context.oracle.meaning());
-                    machine.run(batch, first);
-                    chunk.judge(machine, batch, actual, &invocations);
-                }
-            }
-        }
-        if let Some(machine) = &mut self.measured {
-            for group in unpromised.chunks(SLOTS) {
-                machine.run_some(batch, group);
-                let seen = look(machine, actual, group, false);
-                let (most, reference) = (&mut scanned.max_ulp, self.context.reference);
-                let faint = seen.raise(most, seen.right, machine, reference, (batch, actual, group));
-                let right = seen.right.minus(faint);
-                for (slot, &invocation) in group.iter().enumerate() {
-                    if right.has(slot) {
-                        scanned.measured.push(invocation);
-                    } else {
-                        scanned.open.push(OpenSample { invocation, shader: false, lane: true, undefined: false });
-                    }
-                }
-            }
-        }
-        scanned
-    }
-}
-
-/// What the first look at a chunk needs beside the machine that ran it.
-struct Chunk<'c, 'a> {
-    context: &'c JudgeContext<'a>,
-    ideal: Option<&'c Machine<'a, Binary64>>,
-    evaluator: &'c mut Evaluator<'a>,
-    expected: &'c mut Expected,
-    /// Invocations for which nothing is promised, where measurements decide.
-    unpromised: Option<&'c mut Vec<usize>>,
-    scanned: &'c mut Scanned,
-}
-
-impl Chunk<'_, '_> {
-    fn judge<D: ColumnValues>(
-        &mut self,
-        machine: &Machine<'_, D>,
-        batch: &Batch,
-        actual: &Actual,
-        invocations: &[usize],
-    ) {
-        let reference = self.context.reference;
-        let seen = look(machine, actual, invocations, true);
-        let mut undefined = undefined_slots(machine);
-        let expectation = (&mut *self.evaluator, &mut *self.expected);
-        let shader = match self.ideal {
-            Some(ideal) => {
-                undefined = undefined.or(undefined_slots(ideal));
-                far_apart(machine, ideal).or(unfit(ideal, reference, expectation, batch, invocations))
-            }
-            None => unfit(machine, reference, expectation, batch, invocations),
-        };
-        // Of a shader that may be wrong or undefined, only what is nearest is settled here.
-        let clear = Mask::first(invocations.len()).minus(shader).minus(undefined);
-        let settled = seen.right.and(clear).or(seen.nearest.minus(shader));
-        let most = &mut self.scanned.max_ulp;
-        let faint = seen.raise(most, settled, machine, reference, (batch, actual, invocations));
-        let (right, settled) = (seen.right.minus(faint), settled.minus(faint));
-        let agreed = right.and(clear);
-        let mut rest = Mask::first(invocations.len()).minus(agreed);
-        if let Some(unpromised) = &mut self.unpromised {
-            let some = seen.unpromised.minus(seen.right).and(clear);
-            unpromised.extend(some.slots().map(|slot| invocations[slot]));
-            rest = rest.minus(some);
-        }
-        self.scanned.open.extend(rest.slots().map(|slot| OpenSample {
-            invocation: invocations[slot],
-            shader: shader.has(slot),
-            lane: !settled.or(seen.nearest).has(slot),
-            undefined: undefined.has(slot),
-        }));
-    }
-}
-
-/// The slots that came upon an undefined value.
-fn undefined_slots<D: Domain>(machine: &Machine<'_, D>) -> Mask {
-    let flags = machine.flags();
-    if flags.iter().all(|flags| flags.is_empty()) {
-        return Mask::NONE;
-    }
-    Mask::where_(|slot| flags[slot].is_undefined())
 }

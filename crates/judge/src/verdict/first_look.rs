@@ -3,6 +3,8 @@
 //! A word is right when it is the nearest to what the shader means, or nearer than a device may surely be off: the
 //! allowance of [`Tape::allowance`] is at most the bound, so that the second look would say the same.
 //!
+//! Most samples need no more than a [`Glance`], which knows less than a tape and settles them alike.
+//!
 //! Most verdicts need no bound, only the knowledge that there is one that is large enough: for any choice of signs |Σ
 //! ±∂y/∂v_k·b_k| is at most Σ |∂y/∂v_k|·b_k, and one forward derivative gives such a sum for all outputs at once.
 //! Only the samples that this leaves open go through the reverse sweep, which runs once for each output.
@@ -11,7 +13,7 @@ use super::oracle::JudgeContext;
 use super::reference::Reference;
 use super::second_pass::USELESS;
 use crate::profile::grid::MIN_NORMAL;
-use crate::tape::{Column, FADED, Tape, gap};
+use crate::tape::{Column, FADED, Glance, Tape, gap};
 use base::value::{Batch, ulp_at};
 use program::interp::{Binary64, Domain, Machine, Mask, OutputColumn, SLOTS, Words};
 use program::lane::Actual;
@@ -54,6 +56,20 @@ impl ColumnValues for Tape<'_> {
 
     fn unpromised(&self, column: &Column) -> Mask {
         Tape::unpromised(self, *column)
+    }
+}
+
+impl ColumnValues for Glance<'_> {
+    fn values<'c>(&'c self, column: &'c Column) -> &'c [f64; SLOTS] {
+        Glance::values(self, *column)
+    }
+
+    fn allowance(&self, column: &Column) -> [f64; SLOTS] {
+        Glance::allowance(self, *column)
+    }
+
+    fn unpromised(&self, column: &Column) -> Mask {
+        Glance::unpromised(self, *column)
     }
 }
 
@@ -247,4 +263,10 @@ fn largest<D: ColumnValues>(
 pub(super) fn machine<'a>(context: &JudgeContext<'a>) -> Option<Machine<'a, Tape<'a>>> {
     let (_, model) = context.tiers().into_iter().next()?;
     Some(context.oracle.moving_tape(model))
+}
+
+/// The same for a glance, which comes before it. `None` where the first promise is one that a glance does not know.
+pub(super) fn glance<'a>(context: &JudgeContext<'a>) -> Option<Machine<'a, Glance<'a>>> {
+    let (_, model) = context.tiers().into_iter().next()?;
+    context.oracle.glance(model)
 }

@@ -28,6 +28,7 @@ mod reference;
 mod rounded;
 mod rounding;
 mod rounds;
+mod scan;
 mod second_pass;
 mod shape;
 mod survey;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::profile::Promises;
-use crate::tape::{Cell, Fold, Literal, Model, Tape};
+use crate::tape::{Cell, Fold, Glance, Literal, Model, Tape};
 use base::value::Batch;
 use program::Program;
 use program::interp::group::Ran;
@@ -172,6 +172,11 @@ impl Oracle {
     /// A machine with bounds for devices that knows at once how far outputs may surely be off.
     pub(super) fn moving_tape<'p>(&'p self, model: Model<'p>) -> Machine<'p, Tape<'p>> {
         Machine::new(&self.executable, Tape::new(model).with_literals(&self.folded).with_tangents(), self.fuel)
+    }
+
+    /// The same for a glance; `None` for a model that it does not know.
+    pub(super) fn glance<'p>(&'p self, model: Model<'p>) -> Option<Machine<'p, Glance<'p>>> {
+        Some(Machine::new(&self.executable, Glance::new(model, &self.folded)?, self.fuel))
     }
 
     /// What a large dispatch means: literals as their author wrote them.

@@ -24,6 +24,12 @@ impl<T> Default for Idle<T> {
 }
 
 impl<T: Send> Idle<T> {
+    /// Adds up something about what threads worked with.
+    pub(super) fn sum<const N: usize>(&self, of: impl Fn(&T) -> [u64; N]) -> [u64; N] {
+        let idle = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        idle.iter().fold([0; N], |sum, one| std::array::from_fn(|k| sum[k] + of(one)[k]))
+    }
+
     /// [`parts`] with what was left from the work before.
     pub(super) fn parts<R: Send>(
         &self,

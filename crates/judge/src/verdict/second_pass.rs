@@ -2,13 +2,13 @@
 
 use std::collections::HashSet;
 
-use super::batch::OpenSample;
 use super::follow::{self, scales};
 use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Verdict, What};
 use super::open::{cut, fork};
 use super::oracle::JudgeContext;
 use super::reading::{LiteralReader, may_be_read};
 use super::reference::{Evaluator, Expected};
+use super::scan::OpenSample;
 use super::shape::{shape_of_lane, shape_of_shader};
 use super::words::{Aim, SampleVerdict, SlotsToJudge, WordOfSample, open_words, told, word_of_shader};
 use crate::tape::{Model, Tape};

@@ -16,14 +16,34 @@ use super::part::{Counted, Part, Terms};
 use super::sampling::Sampled;
 use super::{Prepared, Request, Share, relate};
 use base::value::Batch;
-use judge::verdict::{JudgeContext, Passes, WholeSurvey, judge_whole};
-use lanes::{Lane, LaneError, Stage, interrupt};
+use judge::verdict::{BatchVerdict, JudgeContext, Passes, WholeSurvey, judge_whole};
+use lanes::{Actual, Lane, LaneError, Runner, Stage, interrupt};
 use program::Kernel;
 use program::interp::InterpError;
 use property::{Sample, Sampler};
+use rayon::prelude::*;
 
 /// Samples whose bounds are surveyed.
 const SURVEYED: u64 = 4;
+
+/// What a dispatch gave on the lane and in the interpreter, and the verdict on it.
+type Judged<'b> = (Actual, Passes<'b>, BatchVerdict);
+
+/// Runs dispatches one after the other and judges them side by side: one alone is too little for all cores.
+fn judge<'b>(
+    runner: &mut dyn Runner,
+    context: JudgeContext<'b>,
+    batches: &'b [Batch],
+    open: f64,
+) -> Result<Vec<Result<Judged<'b>, InterpError>>, LaneError> {
+    let actuals = batches.iter().map(|batch| runner.run(batch)).collect::<Result<Vec<_>, _>>()?;
+    let one = |(batch, actual): (&'b Batch, Actual)| {
+        let passes = Passes::new(context, batch);
+        let verdict = judge_whole(&passes, &actual, open)?;
+        Ok((actual, passes, verdict))
+    };
+    Ok(batches.par_iter().zip(actuals).map(one).collect())
+}
 
 /// Runs a part of the samples, and those that failed before.
 pub(super) fn run(
@@ -55,37 +75,45 @@ pub(super) fn run(
     let mut sampled = share.resume.take().unwrap_or(Sampled { next: range.start, counted: Counted::default() });
     let surveyed = if once && sampled.counted.survey.is_none() { SURVEYED } else { 0 };
     let mut survey = WholeSurvey::default();
-    let mut judge = |counted: &mut Counted, number: u64, batch: &Batch| -> Result<(), LaneError> {
-        let actual = runner.run(batch)?;
-        let told = |error: InterpError| LaneError::Unsupported(error.locate(&prepared.program));
-        let passes = Passes::new(context, batch);
-        let mut verdict = judge_whole(&passes, &actual, suite.floors.undetermined).map_err(told)?;
-        if number < surveyed {
-            survey.see(&passes, &actual).map_err(told)?;
+    let told = |error: InterpError| LaneError::Unsupported(error.locate(&prepared.program));
+    // False for a dispatch that was cut short, which says nothing.
+    let mut count =
+        |counted: &mut Counted, number: u64, batch: &Batch, judged: Judged<'_>| -> Result<bool, LaneError> {
+            let (actual, passes, mut verdict) = judged;
+            if number < surveyed {
+                survey.see(&passes, &actual).map_err(told)?;
+            }
+            if interrupt::asked() {
+                return Ok(false);
+            }
+            if let Some(failure) = verdict.failures.first() {
+                counted.deviation.get_or_insert_with(|| (number, failure.deviation.clone()));
+            }
+            verdict.failures.clear();
+            counted.add(prepared, number, (batch, &actual), verdict);
+            Ok(true)
+        };
+    let most = suite.floors.undetermined;
+    let together = rayon::current_num_threads().max(1);
+    let given: Vec<Batch> = given.iter().map(|sample| Sample::batch(std::slice::from_ref(sample))).collect();
+    for (k, some) in given.chunks(together).enumerate() {
+        for (at, judged) in judge(&mut *runner, context, some, most)?.into_iter().enumerate() {
+            count(&mut sampled.counted, (k * together + at) as u64, &some[at], judged.map_err(told)?)?;
         }
-        // What was cut short says nothing.
-        if interrupt::asked() {
-            return Ok(());
-        }
-        if let Some(failure) = verdict.failures.first() {
-            counted.deviation.get_or_insert_with(|| (number, failure.deviation.clone()));
-        }
-        verdict.failures.clear();
-        counted.add(prepared, number, (batch, &actual), verdict);
-        Ok(())
-    };
-    for (k, sample) in given.iter().enumerate() {
-        judge(&mut sampled.counted, k as u64, &Sample::batch(std::slice::from_ref(sample)))?;
     }
-    while sampled.next < range.end {
-        judge(&mut sampled.counted, given.len() as u64 + sampled.next, &sampler.batch(sampled.next, 1, 1))?;
-        if interrupt::asked() {
-            break;
-        }
-        sampled.next += 1;
-        progress(sampled.next - range.start);
-        if sampled.next < range.end && (share.save)(&sampled) == ControlFlow::Break(()) {
-            return Ok(None);
+    'all: while sampled.next < range.end {
+        let some = sampled.next..range.end.min(sampled.next + together as u64);
+        let batches: Vec<Batch> = some.map(|number| sampler.batch(number, 1, 1)).collect();
+        for (judged, batch) in judge(&mut *runner, context, &batches, most)?.into_iter().zip(&batches) {
+            let number = given.len() as u64 + sampled.next;
+            if !count(&mut sampled.counted, number, batch, judged.map_err(told)?)? {
+                break 'all;
+            }
+            sampled.next += 1;
+            progress(sampled.next - range.start);
+            if sampled.next < range.end && (share.save)(&sampled) == ControlFlow::Break(()) {
+                return Ok(None);
+            }
         }
     }
     if sampled.next < range.end && !share.partial {

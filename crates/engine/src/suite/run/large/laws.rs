@@ -10,6 +10,7 @@ use judge::verdict::{JudgeContext, Passes, meaning_whole, observe_whole};
 use lanes::{LaneError, Runner, interrupt};
 use program::interp::InterpError;
 use property::{Claim, Observed, Relation, Sample};
+use rayon::prelude::*;
 
 /// What relations are checked with.
 pub(super) struct Laws<'a> {
@@ -19,7 +20,7 @@ pub(super) struct Laws<'a> {
 }
 
 /// Gives the outputs of one of the inputs of a relation, by its number.
-type See<'s> = dyn Fn(&Passes<'_>, usize) -> Result<Observed, InterpError> + 's;
+type See<'s> = dyn Fn(&Passes<'_>, usize) -> Result<Observed, InterpError> + Sync + 's;
 
 /// A relation that does not hold.
 struct Broken {
@@ -87,10 +88,9 @@ impl Laws<'_> {
         let batches: Vec<_> = inputs.iter().map(|input| Sample::batch(std::slice::from_ref(input))).collect();
         let passes: Vec<_> = batches.iter().map(|batch| Passes::new(self.context, batch)).collect();
         let mut ran = Vec::with_capacity(batches.len());
-        // While the lane runs, the interpreter goes through them, and has one of them in memory. An error is told where the
-        // result is asked for.
+        // While the lane runs, the interpreter goes through them. An error is told where the result is asked for.
         rayon::in_place_scope(|scope| {
-            scope.spawn(|_| passes.iter().for_each(|passes| drop(meaning_whole(passes))));
+            scope.spawn(|_| passes.par_iter().for_each(|passes| drop(meaning_whole(passes))));
             ran.extend(batches.iter().map(|batch| self.runner.run(batch)));
         });
         let meant = self.read(relation, &inputs, &passes, &|passes, _| meaning_whole(passes))?;
@@ -117,11 +117,9 @@ impl Laws<'_> {
         see: &See<'_>,
     ) -> Result<Outcome, LaneError> {
         let judge = |passes: &[Passes<'_>]| -> Result<Outcome, LaneError> {
-            let mut outputs = Vec::with_capacity(inputs.len());
-            for (input, passes) in passes.iter().enumerate() {
-                let told = |error: InterpError| LaneError::Unsupported(error.locate(&self.prepared.program));
-                outputs.push(see(passes, input).map_err(told)?);
-            }
+            let told = |error: InterpError| LaneError::Unsupported(error.locate(&self.prepared.program));
+            let seen: Vec<_> = passes.par_iter().enumerate().map(|(input, passes)| see(passes, input)).collect();
+            let outputs = seen.into_iter().collect::<Result<Vec<_>, _>>().map_err(told)?;
             Ok(relate::judge(relation, inputs, &outputs))
         };
         let written = judge(passes)?;
