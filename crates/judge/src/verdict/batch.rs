@@ -253,7 +253,8 @@ pub fn judge_each(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) ->
     assert_eq!(actual.count(), count, "outputs of another batch");
     let chunks = parts(
         count.div_ceil(FEW),
-        || Judge::new(context, true),
+        // What is looked at one by one has most often failed before, and a glance settles none of it.
+        || Judge::new(context, false),
         |judge, chunk| {
             let range = chunk * FEW..((chunk + 1) * FEW).min(count);
             let (first, mut verdicts) = (range.start, vec![Verdict::Agree(Promise::Text); range.len()]);
@@ -274,7 +275,7 @@ pub fn judge_each(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) ->
 /// When `actual` is not of this batch: a defect of the caller.
 pub fn judge_at(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual, invocation: usize) -> Verdict {
     assert_eq!(actual.count(), batch.invocation_count(), "outputs of another batch");
-    let mut judge = Judge::new(context, true);
+    let mut judge = Judge::new(context, false);
     let Scanned { open, measured, .. } = judge.scanner.scan(batch, actual, invocation..invocation + 1);
     let promise = if measured.is_empty() { Promise::Text } else { Promise::Measured };
     let judged = judge.settle(batch, actual, open).into_iter().next();
