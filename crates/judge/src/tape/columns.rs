@@ -7,11 +7,12 @@ use super::arena::Slots;
 use super::functions::{image1, image2};
 use super::kernels::{Out1, Out2, Pair, images1, images2, reach};
 use crate::profile::Op;
+use crate::profile::grid::MIN_NORMAL;
 
-use program::interp::SLOTS;
+use program::interp::{Mask, SLOTS};
 
 /// Active slots from which on a column as a whole is quicker than the slots one by one.
-pub(super) const WORTH_A_COLUMN: usize = SLOTS / 8;
+const WORTH_A_COLUMN: usize = SLOTS / 8;
 
 /// Exponents up to which [`growth`] needs no exponential function.
 const SHORT: f64 = 1.0 / 1024.0;
@@ -50,9 +51,60 @@ fn reaches((x, e): Pair<'_>, flushes: bool) -> Slots {
     out
 }
 
+/// The images of a function of one number in the active slots; the others hold anything.
+pub(super) fn images_of_one(
+    op: Op,
+    active: &Mask,
+    (x, e): Pair<'_>,
+    flushes: bool,
+    not_negative: bool,
+    out: &mut Out1<'_>,
+) {
+    if active.count() >= WORTH_A_COLUMN && column1(op, (x, e), flushes, not_negative, out) {
+        return;
+    }
+    let Out1 { value, moves, slope, bend } = out;
+    if !active.is_full() {
+        [&mut **value, moves, slope, bend].into_iter().for_each(|column| column.fill(0.0));
+    }
+    active.each(|slot| {
+        let found = image1(op, x[slot], reach(x[slot], e[slot], flushes), not_negative);
+        (value[slot], moves[slot], slope[slot], bend[slot]) = (found.value, found.moves, found.slope, found.bends);
+    });
+}
+
+/// The same for a function of two numbers. `unsigned`: a device need not keep the sign of zero.
+pub(super) fn images_of_two(
+    op: Op,
+    active: &Mask,
+    (x, ex): Pair<'_>,
+    (y, ey): Pair<'_>,
+    (flushes, unsigned): ([bool; 2], bool),
+    out: &mut Out2<'_>,
+) {
+    if active.count() >= WORTH_A_COLUMN && column2(op, (x, ex), (y, ey), flushes, out) {
+        return;
+    }
+    let Out2 { value, moves, slopes: [sx, sy], bends: [bx, by] } = out;
+    if !active.is_full() {
+        [&mut **value, moves, sx, sy, bx, by].into_iter().for_each(|column| column.fill(0.0));
+    }
+    active.each(|slot| {
+        let (mut x, y) = ((x[slot], ex[slot]), (y[slot], ey[slot]));
+        if op == Op::Atan2 && x.0 == 0.0 && unsigned {
+            // The sign of zero decides between the half turns.
+            x.1 = x.1.max(MIN_NORMAL);
+        }
+        let found = image2(op, (x.0, reach(x.0, x.1, flushes[0])), (y.0, reach(y.0, y.1, flushes[1])));
+        (value[slot], moves[slot]) = (found.value, found.moves);
+        (sx[slot], sy[slot]) = (found.slopes[0], found.slopes[1]);
+        (bx[slot], by[slot]) = (found.bends[0], found.bends[1]);
+    });
+}
+
 /// The images of a function of one number; false, with nothing written, for functions that are taken
 /// slot by slot.
-pub(super) fn column1(op: Op, (x, e): Pair<'_>, flushes: bool, not_negative: bool, out: &mut Out1<'_>) -> bool {
+fn column1(op: Op, (x, e): Pair<'_>, flushes: bool, not_negative: bool, out: &mut Out1<'_>) -> bool {
     match op {
         // One arm for each, so that each is compiled for itself.
         Op::Abs => number::wide(|| images1((x, e), out, |x, e| image1(Op::Abs, x, reach(x, e, flushes), false))),
@@ -82,7 +134,7 @@ pub(super) fn column1(op: Op, (x, e): Pair<'_>, flushes: bool, not_negative: boo
 }
 
 /// The same for a function of two numbers.
-pub(super) fn column2(op: Op, x: Pair<'_>, y: Pair<'_>, flushes: [bool; 2], out: &mut Out2<'_>) -> bool {
+fn column2(op: Op, x: Pair<'_>, y: Pair<'_>, flushes: [bool; 2], out: &mut Out2<'_>) -> bool {
     match op {
         Op::Div => number::wide(|| {
             images2(x, y, out, |(x, ex), (y, ey)| {
@@ -99,14 +151,21 @@ pub(super) fn column2(op: Op, x: Pair<'_>, y: Pair<'_>, flushes: [bool; 2], out:
                 image2(Op::Max, (x, reach(x, ex, flushes[0])), (y, reach(y, ey, flushes[1])))
             });
         }),
-        Op::Pow => power((x.0, &reaches(x, flushes[0])), (y.0, &reaches(y, flushes[1])), out),
+        Op::Pow => power(x, y, flushes, growth, out),
         _ => return false,
     }
     true
 }
 
-/// x^y; see [`image2`].
-fn power((x, ex): Pair<'_>, (y, ey): Pair<'_>, out: &mut Out2<'_>) {
+/// x^y; see [`image2`]. `grow` puts e^t − 1 or more in the place of numbers t.
+pub(super) fn power(
+    (x, ex): Pair<'_>,
+    (y, ey): Pair<'_>,
+    flushes: [bool; 2],
+    grow: impl Fn(&mut Slots),
+    out: &mut Out2<'_>,
+) {
+    let (ex, ey) = (reaches((x, ex), flushes[0]), reaches((y, ey), flushes[1]));
     let mut ln = [0.0; SLOTS];
     number::LN.column(x, &mut ln);
     number::POW.column(x, y, out.value);
@@ -117,7 +176,7 @@ fn power((x, ex): Pair<'_>, (y, ey): Pair<'_>, out: &mut Out2<'_>) {
             moves[slot] = y[slot].abs() * along + ey[slot] * (ln[slot].abs() + along);
         }
     });
-    growth(moves);
+    grow(moves);
     number::wide(|| {
         for slot in 0..SLOTS {
             let (x, ex, y, ey, ln, v) = (x[slot], ex[slot], y[slot], ey[slot], ln[slot], value[slot]);

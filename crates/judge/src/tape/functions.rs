@@ -27,6 +27,22 @@ pub(super) struct Image2 {
     pub bends: [f64; 2],
 }
 
+/// True for a function whose results are not negative.
+pub(super) fn is_not_negative(op: Op) -> bool {
+    matches!(op, Op::Abs | Op::Sqrt | Op::InverseSqrt | Op::Exp | Op::Exp2 | Op::Cosh | Op::Fract)
+}
+
+/// The same for a function of two numbers, of which each may be known not to be negative.
+pub(super) fn is_not_negative_of(op: Op, [left, right]: [bool; 2]) -> bool {
+    match op {
+        Op::Pow => true,
+        Op::Div | Op::Min => left && right,
+        // `max(x, 0.0)` has no sign, whatever that of x is.
+        Op::Max => left || right,
+        _ => false,
+    }
+}
+
 /// Beside a jump there is no derivative: the whole movement counts as an error of the operation.
 const JUMP: f64 = f64::INFINITY;
 

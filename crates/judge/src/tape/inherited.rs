@@ -11,10 +11,19 @@ use crate::profile::grid::MIN_NORMAL;
 
 use program::interp::{Mask, SLOTS};
 
+/// Local error of a function of one number.
+pub(super) fn function(model: &Model<'_>, op: Op, x: Arg<'_>, value: &Slots, carried: &Slots, local: &mut Slots) {
+    if op == Op::Sqrt && model.definition(op).is_some() {
+        root_by_inverse(model, x, value, carried, local);
+    } else {
+        model.local(op, &[x], value, carried, local);
+    }
+}
+
 /// Local error of √x where it inherits from 1/inversesqrt(x): both steps of the definition.
 ///
 /// At 0 the definition is taken in its limit, as every device does that has a root at all.
-pub(super) fn root_by_inverse(model: &Model<'_>, x: Arg<'_>, value: &Slots, carried: &Slots, local: &mut Slots) {
+fn root_by_inverse(model: &Model<'_>, x: Arg<'_>, value: &Slots, carried: &Slots, local: &mut Slots) {
     let (mut inverse, mut reach) = ([0.0; SLOTS], [0.0; SLOTS]);
     let (mut first, mut second) = ([0.0; SLOTS], [0.0; SLOTS]);
     number::wide(|| {
@@ -50,12 +59,17 @@ pub(super) fn root_by_inverse(model: &Model<'_>, x: Arg<'_>, value: &Slots, carr
     });
 }
 
-/// Local error of x^y.
-pub(super) fn power(model: &Model<'_>, args: [Arg<'_>; 2], value: &Slots, carried: &Slots, local: &mut Slots) {
+/// Local error of x^y. `grow` puts e^t − 1 or more in the place of numbers t.
+pub(super) fn power(
+    model: &Model<'_>,
+    args: [Arg<'_>; 2],
+    value: &Slots,
+    carried: &Slots,
+    grow: impl Fn(&mut [f64]),
+    local: &mut Slots,
+) {
     if model.definition(Op::Pow).is_some() {
-        let mut logarithm = [0.0; SLOTS];
-        number::LOG2.column(args[0].value, &mut logarithm);
-        power_by_exp2(model, args, &logarithm, (value, carried), number::exp_m1_all, local);
+        power_by_exp2(model, args, (value, carried), grow, local);
     } else {
         model.local(Op::Pow, &args, value, carried, local);
     }
@@ -105,26 +119,26 @@ pub(super) fn power_at_zero(model: &Model<'_>, args: [Arg<'_>; 2], out: Out2<'_>
     let largest: Slots = std::array::from_fn(|slot| or(slot, top(x, slot), x.value[slot]));
     let exact: Slots = std::array::from_fn(|slot| or(slot, 0.0, x.radius[slot]));
     let moves: Slots = std::array::from_fn(|slot| or(slot, 0.0, out.moves[slot]));
-    power(model, [Arg { value: &largest, radius: &exact }, y], &most, &moves, local);
+    power(model, [Arg { value: &largest, radius: &exact }, y], &most, &moves, number::exp_m1_all, local);
     for slot in (0..SLOTS).filter(|&slot| zero[slot]) {
         local[slot] = 2.0 * local[slot] + 2f64.powi(-18) * (1.0 + y.value[slot] + y.radius[slot]) * most[slot];
     }
 }
 
-/// Local error of x^y where it inherits from exp2(y·log2(x)): all steps of the definition. `grow` puts e^t − 1 or more in the
-/// place of numbers t.
-pub(super) fn power_by_exp2(
+/// Local error of x^y where it inherits from exp2(y·log2(x)): all steps of the definition.
+fn power_by_exp2(
     model: &Model<'_>,
     args: [Arg<'_>; 2],
-    logarithm: &Slots,
     (value, carried): (&Slots, &Slots),
     grow: impl Fn(&mut [f64]),
     local: &mut Slots,
 ) {
     let [x, y] = args;
+    let mut logarithm = [0.0; SLOTS];
     let mut exponent = [0.0; SLOTS];
     let (mut by_log, mut by_product, mut by_power) = ([0.0; SLOTS], [0.0; SLOTS], [0.0; SLOTS]);
     let mut log_moves = [0.0; SLOTS];
+    number::LOG2.column(x.value, &mut logarithm);
     number::wide(|| {
         for slot in 0..SLOTS {
             let (x, e) = (x.value[slot], x.radius[slot]);
@@ -133,7 +147,7 @@ pub(super) fn power_by_exp2(
             exponent[slot] = y.value[slot] * logarithm[slot];
         }
     });
-    model.local(Op::Log2, &[x], logarithm, &log_moves, &mut by_log);
+    model.local(Op::Log2, &[x], &logarithm, &log_moves, &mut by_log);
     let mut product_moves = [0.0; SLOTS];
     number::wide(|| {
         for slot in 0..SLOTS {
@@ -141,7 +155,7 @@ pub(super) fn power_by_exp2(
             product_moves[slot] = (y.value[slot].abs() + y.radius[slot]) * log + y.radius[slot] * logarithm[slot].abs();
         }
     });
-    let log = Arg { value: logarithm, radius: &by_log };
+    let log = Arg { value: &logarithm, radius: &by_log };
     model.local(Op::Mul, &[log, y], &exponent, &product_moves, &mut by_product);
     let (mut exponent_moves, mut inside) = ([0.0; SLOTS], [0.0; SLOTS]);
     let mut power_moves = [0.0; SLOTS];

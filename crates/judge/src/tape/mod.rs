@@ -324,9 +324,7 @@ impl Domain for Tape<'_> {
             (a != b && decision::is_near(x, y)) || (flushes && decision::flush_decides(op, x, y))
         };
         let forks: Vec<usize> = active.slots().filter(|&slot| open(slot)).collect();
-        for (slot, out) in out.iter_mut().enumerate() {
-            *out = u32::from(op.holds(x[slot], y[slot]));
-        }
+        program::interp::compare(op, x, y, out);
         self.note_decision(site, [a as Id, b as Id], &forks);
         self.decide(site, &forks, &mut |slot| out[slot] ^= 1);
     }
@@ -334,12 +332,7 @@ impl Domain for Tape<'_> {
     fn classify(&mut self, site: Site, class: Class, active: &Mask, a: &Column, out: &mut Words) {
         let a = self.id(a) as usize;
         let (x, e) = (self.arena.value.get(a), self.arena.radius.get(a));
-        for (out, x) in out.iter_mut().zip(x) {
-            *out = u32::from(match class {
-                Class::Nan => x.is_nan(),
-                Class::Infinite => x.is_infinite(),
-            });
-        }
+        program::interp::classify(class, x, out);
         let forks: Vec<usize> = active.slots().filter(|&slot| !e[slot].is_finite()).collect();
         self.note_decision(site, [a as Id; 2], &forks);
         self.note_fork(site, forks.into_iter());

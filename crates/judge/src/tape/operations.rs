@@ -2,11 +2,11 @@
 
 use super::Tape;
 use super::arena::{Id, Meta, NodeKind, Slots};
-use super::columns::{WORTH_A_COLUMN, column1, column2};
+use super::columns::{images_of_one, images_of_two};
 use super::definitions::Definitions;
-use super::functions::{Image1, Image2, image1, image2};
-use super::inherited::{at_zero, power, power_at_zero, root_by_inverse};
-use super::kernels::{self, KernelNode, Once, Out1, Out2, or_infinite, reach};
+use super::functions::{is_not_negative, is_not_negative_of};
+use super::inherited::{at_zero, function, power, power_at_zero};
+use super::kernels::{self, KernelNode, Once, Out1, Out2, or_infinite};
 use super::model::Arg;
 use super::paths::PathStep;
 use super::rounded::either_side;
@@ -207,7 +207,7 @@ impl Tape<'_> {
         let steps = self.steps((site, op), active, a, flushes);
         let partial = self.arena.partial();
         let not_negative = self.arena.nodes[a as usize].not_negative;
-        let keeps = matches!(op, Op::Abs | Op::Sqrt | Op::InverseSqrt | Op::Exp | Op::Exp2 | Op::Cosh | Op::Fract);
+        let keeps = is_not_negative(op);
         let kind = NodeKind::One { a, partial };
         let meta = Meta { kind, op: Some(op), site: Some(site), exact: false, tiny: false, not_negative: keeps };
         let id = self.node(meta);
@@ -224,28 +224,13 @@ impl Tape<'_> {
         };
         let (slope, bend) = self.arena.partials.pair_mut(2 * partial as usize);
         let mut out = Out1 { value, moves: carried, slope, bend };
-        if active.count() < WORTH_A_COLUMN || !column1(op, (x, ex), flushes, not_negative, &mut out) {
-            let Out1 { value, moves, slope, bend } = out;
-            if !active.is_full() {
-                [&mut *value, moves, slope, bend].into_iter().for_each(|column| column.fill(0.0));
-            }
-            active.each(|slot| {
-                let found: Image1 = image1(op, x[slot], reach(x[slot], ex[slot], flushes), not_negative);
-                (value[slot], moves[slot], slope[slot], bend[slot]) =
-                    (found.value, found.moves, found.slope, found.bends);
-            });
-        }
+        images_of_one(op, active, (x, ex), flushes, not_negative, &mut out);
         let (slope, bend) = self.arena.partials.pair_mut(2 * partial as usize);
         for PathStep { slot, value: side, moves, slope: steep } in steps {
             (value[slot], carried[slot], slope[slot], bend[slot]) = (side, moves, steep, 0.0);
         }
-        let args = [Arg { value: x, radius: ex }];
         let local = self.arena.local.get_mut(at);
-        if op == Op::Sqrt && self.model.definition(op).is_some() {
-            root_by_inverse(&self.model, args[0], value, carried, local);
-        } else {
-            self.model.local(op, &args, value, carried, local);
-        }
+        function(&self.model, op, Arg { value: x, radius: ex }, value, carried, local);
         self.flush(id, &[(a, None)]);
         self.cut(id, &[partial]);
         self.close(id);
@@ -258,13 +243,7 @@ impl Tape<'_> {
         let steps = self.edge(op, active, [a, b], flushes);
         let partials = [self.arena.partial(), self.arena.partial()];
         let (left, right) = (self.arena.nodes[a as usize], self.arena.nodes[b as usize]);
-        let not_negative = match op {
-            Op::Pow => true,
-            Op::Div | Op::Min => left.not_negative && right.not_negative,
-            // `max(x, 0.0)` has no sign, whatever that of x is.
-            Op::Max => left.not_negative || right.not_negative,
-            _ => false,
-        };
+        let not_negative = is_not_negative_of(op, [left.not_negative, right.not_negative]);
         let kind = NodeKind::Two { a, b, partials };
         let meta = Meta { kind, op: Some(op), site: Some(site), exact: false, tiny: false, not_negative };
         let id = self.node(meta);
@@ -275,23 +254,7 @@ impl Tape<'_> {
         let (ex, ey) = (radii.get(a as usize), radii.get(b as usize));
         let [sx, bx, sy, by] = self.arena.partials.quad_mut(2 * partials[0] as usize);
         let mut out = Out2 { value, moves: carried, slopes: [sx, sy], bends: [bx, by] };
-        if active.count() < WORTH_A_COLUMN || !column2(op, (x, ex), (y, ey), flushes, &mut out) {
-            let Out2 { value, moves, slopes: [sx, sy], bends: [bx, by] } = out;
-            if !active.is_full() {
-                [&mut *value, moves, sx, sy, bx, by].into_iter().for_each(|column| column.fill(0.0));
-            }
-            active.each(|slot| {
-                let (mut x, y) = ((x[slot], ex[slot]), (y[slot], ey[slot]));
-                if op == Op::Atan2 && x.0 == 0.0 && self.model.flushes() {
-                    // A device that flushes need not keep the sign of zero, which decides between the half turns.
-                    x.1 = x.1.max(MIN_NORMAL);
-                }
-                let found: Image2 = image2(op, (x.0, reach(x.0, x.1, flushes[0])), (y.0, reach(y.0, y.1, flushes[1])));
-                (value[slot], moves[slot]) = (found.value, found.moves);
-                (sx[slot], sy[slot]) = (found.slopes[0], found.slopes[1]);
-                (bx[slot], by[slot]) = (found.bends[0], found.bends[1]);
-            });
-        }
+        images_of_two(op, active, (x, ex), (y, ey), (flushes, self.model.flushes()), &mut out);
         let args = [Arg { value: x, radius: ex }, Arg { value: y, radius: ey }];
         let local = self.arena.local.get_mut(at);
         let [sx, bx, sy, by] = self.arena.partials.quad_mut(2 * partials[0] as usize);
@@ -303,7 +266,7 @@ impl Tape<'_> {
         if op == Op::Pow && left.not_negative && at_zero(args, active, &mut out) {
             power_at_zero(&self.model, args, out, local);
         } else if op == Op::Pow {
-            power(&self.model, args, value, carried, local);
+            power(&self.model, args, value, carried, number::exp_m1_all, local);
         } else {
             self.model.local(op, &args, value, carried, local);
         }

@@ -170,7 +170,7 @@ const FEW: usize = 512;
 /// When `actual` is not of this batch: a defect of the caller.
 ///
 /// ```
-/// use base::value::{Batch, Scalar};
+/// use base::value::Batch;
 /// use judge::verdict::{BatchVerdict, JudgeContext, judge_batch};
 /// use program::lane::Actual;
 ///
@@ -184,7 +184,7 @@ const FEW: usize = 512;
 /// A comparison of a side with itself does not compile. This is the same text but for one type:
 ///
 /// ```compile_fail,E0308
-/// use base::value::{Batch, Scalar};
+/// use base::value::Batch;
 /// use judge::verdict::{BatchVerdict, JudgeContext, judge_batch};
 /// use program::interp::Meaning;
 ///
@@ -200,7 +200,7 @@ pub fn judge_batch(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) -
 pub struct Judges<'a> {
     context: JudgeContext<'a>,
     idle: Idle<Judge<'a>>,
-    /// Whether most samples are settled by a [`Glance`].
+    /// Whether most samples are settled by a [`Glance`](crate::tape::Glance).
     glances: bool,
 }
 

@@ -50,7 +50,7 @@ pub use lowered::Half;
 pub use machine::Machine;
 pub use meaning::{Finding, Flags, HazardKind, Meaning};
 pub use number::half::nearest as halved;
-pub use plain::{Binary32, Binary64, Column, Number, Plain, from_words, outside, to_half, to_words};
+pub use plain::{Binary32, Binary64, Column, Number, Plain, classify, compare, from_words, outside, to_half, to_words};
 pub use rearrange::Laws;
 pub use results::OutputColumn;
 pub use slots::{Mask, SLOTS, Words};

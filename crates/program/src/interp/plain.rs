@@ -319,6 +319,24 @@ pub fn outside<T: Number>(what: Guarded, active: &Mask, x: &[T; SLOTS], y: &[T; 
     if some { Mask::where_(at).and(*active) } else { Mask::NONE }
 }
 
+/// Answers a question about two numbers in every slot: 1 for yes, 0 for no.
+pub fn compare<T: Number>(op: Comparison, a: &[T; SLOTS], b: &[T; SLOTS], out: &mut Words) {
+    for (slot, out) in out.iter_mut().enumerate() {
+        *out = u32::from(op.holds(a[slot], b[slot]));
+    }
+}
+
+/// The same of what kind of number it is.
+pub fn classify<T: Number>(class: Class, a: &[T; SLOTS], out: &mut Words) {
+    for (out, x) in out.iter_mut().zip(a) {
+        let x = x.widen();
+        *out = u32::from(match class {
+            Class::Nan => x.is_nan(),
+            Class::Infinite => x.is_infinite(),
+        });
+    }
+}
+
 /// Converts words to numbers.
 pub fn from_words(op: FromWords, a: &Words, out: &mut [f64; SLOTS]) {
     for (out, &word) in out.iter_mut().zip(a) {
@@ -460,20 +478,11 @@ impl<T: Number> Domain for Plain<T> {
     }
 
     fn compare(&mut self, _: Site, op: Comparison, _: &Mask, a: &Column<T>, b: &Column<T>, out: &mut Words) {
-        let (a, b) = (a.values(), b.values());
-        for (slot, out) in out.iter_mut().enumerate() {
-            *out = u32::from(op.holds(a[slot], b[slot]));
-        }
+        compare(op, a.values(), b.values(), out);
     }
 
     fn classify(&mut self, _: Site, class: Class, _: &Mask, a: &Column<T>, out: &mut Words) {
-        for (out, x) in out.iter_mut().zip(a.values()) {
-            let x = x.widen();
-            *out = u32::from(match class {
-                Class::Nan => x.is_nan(),
-                Class::Infinite => x.is_infinite(),
-            });
-        }
+        classify(class, a.values(), out);
     }
 
     fn words_of(&mut self, _: Site, op: ToWords, _: &Mask, a: &Column<T>, out: &mut Words) -> Mask {

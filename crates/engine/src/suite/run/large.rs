@@ -26,23 +26,24 @@ use rayon::prelude::*;
 /// Samples whose bounds are surveyed.
 const SURVEYED: u64 = 4;
 
-/// What a dispatch gave on the lane and in the interpreter, and the verdict on it.
-type Judged<'b> = (Actual, Passes<'b>, BatchVerdict);
+/// What a dispatch gave on the lane, the verdict on it, and what it gave in the interpreter where that is surveyed.
+type Judged<'b> = (Actual, BatchVerdict, Option<Passes<'b>>);
 
-/// Runs dispatches one after the other and judges them side by side: one alone is too little for all cores.
+/// Runs dispatches one after the other and judges them side by side: one alone is too little for all cores. What the
+/// interpreter gave is kept of the first `surveyed` alone, since it takes much memory.
 fn judge<'b>(
     runner: &mut dyn Runner,
     context: JudgeContext<'b>,
     batches: &'b [Batch],
-    open: f64,
+    (open, surveyed): (f64, u64),
 ) -> Result<Vec<Result<Judged<'b>, InterpError>>, LaneError> {
     let actuals = batches.iter().map(|batch| runner.run(batch)).collect::<Result<Vec<_>, _>>()?;
-    let one = |(batch, actual): (&'b Batch, Actual)| {
+    let one = |(k, (batch, actual)): (usize, (&'b Batch, Actual))| {
         let passes = Passes::new(context, batch);
         let verdict = judge_whole(&passes, &actual, open)?;
-        Ok((actual, passes, verdict))
+        Ok((actual, verdict, ((k as u64) < surveyed).then_some(passes)))
     };
-    Ok(batches.par_iter().zip(actuals).map(one).collect())
+    Ok(batches.par_iter().zip(actuals).enumerate().map(one).collect())
 }
 
 /// Runs a part of the samples, and those that failed before.
@@ -79,8 +80,8 @@ pub(super) fn run(
     // False for a dispatch that was cut short, which says nothing.
     let mut count =
         |counted: &mut Counted, number: u64, batch: &Batch, judged: Judged<'_>| -> Result<bool, LaneError> {
-            let (actual, passes, mut verdict) = judged;
-            if number < surveyed {
+            let (actual, mut verdict, passes) = judged;
+            if let Some(passes) = passes {
                 survey.see(&passes, &actual).map_err(told)?;
             }
             if interrupt::asked() {
@@ -93,18 +94,23 @@ pub(super) fn run(
             counted.add(prepared, number, (batch, &actual), verdict);
             Ok(true)
         };
-    let most = suite.floors.undetermined;
-    let together = rayon::current_num_threads().max(1);
+    let open = suite.floors.undetermined;
+    let together = rayon::current_num_threads();
     let given: Vec<Batch> = given.iter().map(|sample| Sample::batch(std::slice::from_ref(sample))).collect();
-    for (k, some) in given.chunks(together).enumerate() {
-        for (at, judged) in judge(&mut *runner, context, some, most)?.into_iter().enumerate() {
-            count(&mut sampled.counted, (k * together + at) as u64, &some[at], judged.map_err(told)?)?;
+    let mut number = 0;
+    for some in given.chunks(together) {
+        let judged = judge(&mut *runner, context, some, (open, surveyed.saturating_sub(number)))?;
+        for (judged, batch) in judged.into_iter().zip(some) {
+            count(&mut sampled.counted, number, batch, judged.map_err(told)?)?;
+            number += 1;
         }
     }
     'all: while sampled.next < range.end {
         let some = sampled.next..range.end.min(sampled.next + together as u64);
+        let first = given.len() as u64 + sampled.next;
         let batches: Vec<Batch> = some.map(|number| sampler.batch(number, 1, 1)).collect();
-        for (judged, batch) in judge(&mut *runner, context, &batches, most)?.into_iter().zip(&batches) {
+        let judged = judge(&mut *runner, context, &batches, (open, surveyed.saturating_sub(first)))?;
+        for (judged, batch) in judged.into_iter().zip(&batches) {
             let number = given.len() as u64 + sampled.next;
             if !count(&mut sampled.counted, number, batch, judged.map_err(told)?)? {
                 break 'all;

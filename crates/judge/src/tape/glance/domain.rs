@@ -88,19 +88,11 @@ impl Domain for Glance<'_> {
     }
 
     fn compare(&mut self, _: Site, op: Comparison, _: &Mask, a: &Column, b: &Column, out: &mut Words) {
-        let (x, y) = (self.values(*a), self.values(*b));
-        for (slot, out) in out.iter_mut().enumerate() {
-            *out = u32::from(op.holds(x[slot], y[slot]));
-        }
+        program::interp::compare(op, self.values(*a), self.values(*b), out);
     }
 
     fn classify(&mut self, _: Site, class: Class, _: &Mask, a: &Column, out: &mut Words) {
-        for (out, x) in out.iter_mut().zip(self.values(*a)) {
-            *out = u32::from(match class {
-                Class::Nan => x.is_nan(),
-                Class::Infinite => x.is_infinite(),
-            });
-        }
+        program::interp::classify(class, self.values(*a), out);
     }
 
     fn words_of(&mut self, _: Site, op: ToWords, _: &Mask, a: &Column, out: &mut Words) -> Mask {

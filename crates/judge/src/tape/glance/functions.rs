@@ -1,10 +1,10 @@
 //! Functions: their images over one radius for all slots, and what they err by at exact arguments.
 
-use super::super::columns::{WORTH_A_COLUMN, column1, column2};
+use super::super::columns::{self, images_of_one, images_of_two};
 use super::super::definitions::Definitions;
-use super::super::functions::{Image1, Image2, image1, image2};
-use super::super::inherited::{power_by_exp2, root_by_inverse};
-use super::super::kernels::{Out1, Out2, Pair, farther, reach};
+use super::super::functions::{is_not_negative, is_not_negative_of};
+use super::super::inherited::{function, power};
+use super::super::kernels::{Out1, Out2, farther};
 use super::super::model::{Arg, BINARY64, Model};
 use super::super::rounded::either_side;
 use super::{Glance, Id, Mask, Node, SLOTS, Slots, ZEROS, largest};
@@ -41,36 +41,19 @@ impl Definitions for Glance<'_> {
 
     fn one(&mut self, site: Site, op: Op, active: &Mask, a: Id) -> Id {
         let arg = self.nodes[a as usize];
-        let keeps = matches!(op, Op::Abs | Op::Sqrt | Op::InverseSqrt | Op::Exp | Op::Exp2 | Op::Cosh | Op::Fract);
-        let id = self.node(Node::new(keeps, arg.open));
-        let (flushes, nn) = (self.model.flushes(), arg.not_negative);
-        let of = self.radii_of(a);
+        let id = self.node(Node::new(is_not_negative(op), arg.open));
+        let mut ex = self.radii_of(a);
         let (before, value) = self.value.split(id as usize);
         let x = before.get(a as usize);
-        let mut ex = of;
         if site.is_open_at_ties() {
             ex = either_side(x, &ex);
         }
         let mut images = Images::new();
         let Images { moves, slopes: [slope, _], bends: [bend, _], local, own } = &mut images;
         let mut out = Out1 { value: &mut *value, moves, slope, bend };
-        if active.count() < WORTH_A_COLUMN || !column1(op, (x, &ex), flushes, nn, &mut out) {
-            if !active.is_full() {
-                out.value.fill(0.0);
-            }
-            active.each(|slot| {
-                let found: Image1 = image1(op, x[slot], reach(x[slot], ex[slot], flushes), nn);
-                (out.value[slot], out.moves[slot]) = (found.value, found.moves);
-                (out.slope[slot], out.bend[slot]) = (found.slope, found.bends);
-            });
-        }
-        let by_inverse = op == Op::Sqrt && self.model.definition(op).is_some();
+        images_of_one(op, active, (x, &ex), self.model.flushes(), arg.not_negative, &mut out);
         for (radius, carried, error) in [(&ex, &*moves, local), (&ZEROS, &ZEROS, own)] {
-            let arg = Arg { value: x, radius };
-            match by_inverse {
-                true => root_by_inverse(&self.model, arg, value, carried, error),
-                false => self.model.local(op, &[arg], value, carried, error),
-            }
+            function(&self.model, op, Arg { value: x, radius }, value, carried, error);
         }
         self.complete(id, op, active, &[a], &mut images);
         id
@@ -78,12 +61,7 @@ impl Definitions for Glance<'_> {
 
     fn two(&mut self, _: Site, op: Op, active: &Mask, a: Id, b: Id) -> Id {
         let (left, right) = (self.nodes[a as usize], self.nodes[b as usize]);
-        let not_negative = match op {
-            Op::Pow => true,
-            Op::Div | Op::Min => left.not_negative && right.not_negative,
-            Op::Max => left.not_negative || right.not_negative,
-            _ => false,
-        };
+        let not_negative = is_not_negative_of(op, [left.not_negative, right.not_negative]);
         let id = self.node(Node::new(not_negative, left.open.or(right.open)));
         let flushes = self.model.flushes();
         let [ex, ey] = [a, b].map(|id| self.radii_of(id));
@@ -92,37 +70,19 @@ impl Definitions for Glance<'_> {
         let mut images = Images::new();
         let Images { moves, slopes: [sx, sy], bends: [bx, by], local, own } = &mut images;
         let mut out = Out2 { value: &mut *value, moves, slopes: [sx, sy], bends: [bx, by] };
-        if op == Op::Pow {
-            power((x, &ex), (y, &ey), flushes, &mut out);
-        } else if active.count() < WORTH_A_COLUMN || !column2(op, (x, &ex), (y, &ey), [flushes; 2], &mut out) {
-            if !active.is_full() {
-                out.value.fill(0.0);
-            }
-            active.each(|slot| {
-                let (mut x, y) = ((x[slot], ex[slot]), (y[slot], ey[slot]));
-                if op == Op::Atan2 && x.0 == 0.0 && flushes {
-                    x.1 = x.1.max(MIN_NORMAL);
-                }
-                let found: Image2 = image2(op, (x.0, reach(x.0, x.1, flushes)), (y.0, reach(y.0, y.1, flushes)));
-                (out.value[slot], out.moves[slot]) = (found.value, found.moves);
-                for k in 0..2 {
-                    (out.slopes[k][slot], out.bends[k][slot]) = (found.slopes[k], found.bends[k]);
-                }
-            });
+        match op {
+            Op::Pow => columns::power((x, &ex), (y, &ey), [flushes; 2], |t| grown(t), &mut out),
+            _ => images_of_two(op, active, (x, &ex), (y, &ey), ([flushes; 2], flushes), &mut out),
         }
-        let by_exp2 = op == Op::Pow && self.model.definition(op).is_some();
-        let mut logarithm = [0.0; SLOTS];
-        if by_exp2 {
-            number::LOG2.column(x, &mut logarithm);
-        }
-        for ([ex, ey], carried, error) in [([&ex, &ey], &*moves, local), ([&ZEROS; 2], &ZEROS, own)] {
+        // At exact arguments nothing may be more than it is.
+        let [within, exactly]: [fn(&mut [f64]); 2] = [grown, number::exp_m1_all];
+        for ([ex, ey], carried, grow, error) in
+            [([&ex, &ey], &*moves, within, local), ([&ZEROS; 2], &ZEROS, exactly, own)]
+        {
             let args = [Arg { value: x, radius: ex }, Arg { value: y, radius: ey }];
-            match by_exp2 {
-                true if carried == &ZEROS => {
-                    power_by_exp2(&self.model, args, &logarithm, (value, carried), number::exp_m1_all, error);
-                }
-                true => power_by_exp2(&self.model, args, &logarithm, (value, carried), grown, error),
-                false => self.model.local(op, &args, value, carried, error),
+            match op {
+                Op::Pow => power(&self.model, args, value, carried, grow, error),
+                _ => self.model.local(op, &args, value, carried, error),
             }
         }
         self.complete(id, op, active, &[a, b], &mut images);
@@ -154,7 +114,7 @@ impl Definitions for Glance<'_> {
 
 impl Glance<'_> {
     /// The same value once more, off by `error` more.
-    fn widened(&mut self, a: Id, error: f64) -> Id {
+    pub(super) fn widened(&mut self, a: Id, error: f64) -> Id {
         let node = self.nodes[a as usize];
         let id = self.node(Node { radius: node.radius + error, constant: None, ..node });
         if self.spreads(a) {
@@ -258,27 +218,6 @@ impl Glance<'_> {
             }
         });
     }
-}
-
-/// The images of x^y.
-fn power((x, ex): Pair<'_>, (y, ey): Pair<'_>, flushes: bool, out: &mut Out2<'_>) {
-    let mut ln = [0.0; SLOTS];
-    number::LN.column(x, &mut ln);
-    number::POW.column(x, y, out.value);
-    let Out2 { value, moves, slopes: [along_x, along_y], bends: [bend_x, bend_y] } = out;
-    number::wide(|| {
-        for slot in 0..SLOTS {
-            let (x, y, v) = (x[slot], y[slot], value[slot]);
-            let (ex, ey) = (reach(x, ex[slot], flushes), reach(y, ey[slot], flushes));
-            let along = ex / (x - ex);
-            let grown = at_least_growth(y.abs() * along + ey * (ln[slot].abs() + along));
-            let nowhere = (x <= ex) | (x <= 0.0);
-            moves[slot] = if nowhere { f64::INFINITY } else { v * grown };
-            (along_x[slot], along_y[slot]) = (y * v / x, ln[slot] * v);
-            // Slots in which derivatives do not exist are lost by their movement.
-            (bend_x[slot], bend_y[slot]) = (0.0, 0.0);
-        }
-    });
 }
 
 /// At least e^t − 1 for t ≥ 0: t + t²/2 + t³/4 + … against t + t²/2 + t³/6 + …, and a power of two where t is large.

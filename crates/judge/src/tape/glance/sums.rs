@@ -78,21 +78,13 @@ impl Glance<'_> {
         let (left, right) = (self.nodes[a as usize], self.nodes[b as usize]);
         if signs.1 == 0.0 {
             // An argument may be flushed.
-            let id =
-                self.node(Node { radius: left.radius + 2.0 * MIN_NORMAL, not_negative: false, constant: None, ..left });
-            if self.spreads(a) {
-                let radii = self.radii_of(a).map(|radius| radius + 2.0 * MIN_NORMAL);
-                *self.radii.get_mut(id as usize) = radii;
-            }
-            self.sources[id as usize] = self.sources[a as usize];
-            for (pool, sign) in [(&mut self.value, signs.0), (&mut self.moved, signs.0), (&mut self.farthest, 1.0)] {
-                if pool.is_zero(a as usize) {
-                    pool.set_zero(id as usize);
-                    continue;
+            let id = self.widened(a, 2.0 * MIN_NORMAL);
+            self.nodes[id as usize].not_negative = false;
+            for pool in [&mut self.value, &mut self.moved] {
+                if !pool.is_zero(id as usize) {
+                    let column = pool.get_mut(id as usize);
+                    number::wide(|| column.iter_mut().for_each(|x| *x *= signs.0));
                 }
-                let (before, out) = pool.split(id as usize);
-                let x = before.get(a as usize);
-                number::wide(|| (0..SLOTS).for_each(|slot| out[slot] = sign * x[slot]));
             }
             return id;
         }
