@@ -427,3 +427,17 @@ fn files_of_glsl_that_take_in_each_other_are_told_and_guarded_ones_are_not() {
         assert_eq!(told, status == 1, "{guard}\n{}", ran.out);
     }
 }
+
+#[test]
+fn what_another_reader_finds_is_told_beside_what_it_does_not_seek() {
+    let text = |shift: &str| {
+        format!(
+            "@group(0) @binding(0) var<storage, read_write> b: array<u32>;\n\
+             fn f(v: u32) -> bool {{ return ((v >> {shift}) & 1u) == 1u; }}\n\
+             @compute @workgroup_size(64) fn main(@builtin(local_invocation_index) i: u32) {{\n\
+             if i > 3u {{ workgroupBarrier(); }}\nif f(i) {{ b[i] = i; }}\n}}\n"
+        )
+    };
+    let folder = folder(&[("a.wgsl", &text("61u")), ("b.wgsl", &text("3u"))]);
+    assert_eq!(codes(&lint(folder.path(), ". --format json")), ["a.wgsl E902", "a.wgsl W001", "b.wgsl W001"]);
+}

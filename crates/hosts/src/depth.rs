@@ -59,7 +59,8 @@ fn is_equal(name: &str) -> bool {
         [] => return false,
         [before @ .., last] => (last, before.last()),
     };
-    last == "equal" && before.is_none_or(|word| !["less", "greater", "not", "or", "than"].contains(&word.as_str()))
+    // The name of an API's own value: other words in front are those of a function or of another test.
+    last == "equal" && before.is_none_or(|word| ["gl", "e", "op", "func", "function"].contains(&word.as_str()))
 }
 
 /// True behind `//`, or on a line of a comment that begins with `*`.
@@ -113,6 +114,7 @@ mod tests {
             "info.depthCompareOp = VK_COMPARE_OP_LESS_OR_EQUAL;",
             "material.depthFunc = THREE.LessEqualDepth;",
             "material.depthFunc = THREE.NotEqualDepth;",
+            "export const COMPARERS = { depthFunc: strictEqual };",
             "// glDepthFunc(GL_EQUAL);",
             "if (state.depthFunc == GL_EQUAL) {",
             "case DepthFunc::Equal: return GL_EQUAL;",

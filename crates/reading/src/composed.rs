@@ -50,14 +50,21 @@ impl fmt::Debug for Composer {
     }
 }
 
-/// What readers of the language say of texts in which nothing else is wrong: they tell the same once more.
+/// Rules on faults that other readers let through: control flow that is not uniform, integers that are not `flat`.
+const NOT_SOUGHT: [&str; 2] = ["W001", "I005"];
+
+/// What readers of the language say of texts that can be read: of others they tell the same once more. What a rule tells of a
+/// line is not said again.
 pub fn add_refused(project: &Project, all: &mut Vec<(Level, Diagnostic)>) {
     let mut more: Vec<(Level, Diagnostic)> =
         project.shaders().filter(|s| s.reported).flat_map(|s| s.refused.iter().cloned()).collect();
     to_origin(project, &mut more);
-    let wrong: HashSet<&str> =
-        all.iter().filter(|(_, d)| d.severity == Severity::Error).map(|(_, d)| d.file.name()).collect();
-    more.retain(|(_, d)| !wrong.contains(d.file.name()));
+    let line = |d: &Diagnostic| d.file.location(d.span.start).position.map(|position| position.line);
+    let errors = || all.iter().map(|(_, d)| d).filter(|d| d.severity == Severity::Error);
+    let of_reading = |d: &&Diagnostic| !NOT_SOUGHT.contains(&d.code.0);
+    let unread: HashSet<&str> = errors().filter(of_reading).map(|d| d.file.name()).collect();
+    let told: HashSet<(&str, Option<usize>)> = errors().map(|d| (d.file.name(), line(d))).collect();
+    more.retain(|(_, d)| !unread.contains(d.file.name()) && !told.contains(&(d.file.name(), line(d))));
     all.extend(more);
 }
 

@@ -169,6 +169,8 @@ impl<'t> Reader<'t> {
                 let remainder = operand && !first.spaced && goes_on;
                 (!remainder && !self.is_name(self.slice(1))).then_some(3)
             }
+            // `%ws`, `%d`: no remainder is taken of nothing.
+            Lex::Percent if !operand && self.glued(1) == Some(Lex::Word) => Some(2),
             Lex::HashHash if !self.directive => {
                 ((self.glued(1), self.glued(2)) == (Some(Lex::Word), Some(Lex::HashHash))).then_some(3)
             }

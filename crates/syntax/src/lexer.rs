@@ -262,12 +262,15 @@ fn is_hook(comment: &str) -> bool {
     parts.next().is_some_and(is_name) && parts.peek().is_some() && parts.all(is_name)
 }
 
-/// The last point of what starts like a number and is one with a swizzle: `0.25f.xxxx`.
+/// The last point of what starts like a number and is one with a swizzle: `0.25f.xxxx`, `1u.xx`.
 fn swizzled(text: &str) -> Option<usize> {
     let at = text.rfind('.')?;
     let (number, swizzle) = (&text[..at], &text[at + 1..]);
     let letters = |set: &str| !swizzle.is_empty() && swizzle.chars().all(|c| set.contains(c));
-    let complete = number.contains('.') && number.ends_with(|c: char| c.is_ascii_digit() || ".fF".contains(c));
+    let complete = match number.contains('.') {
+        true => number.ends_with(|c: char| c.is_ascii_digit() || ".fF".contains(c)),
+        false => number.ends_with(['u', 'U']),
+    };
     (complete && ["xyzw", "rgba", "stpq"].iter().any(|set| letters(set))).then_some(at)
 }
 
@@ -289,6 +292,7 @@ mod tests {
         assert_eq!(words("1.0e-5f+.5-0x1Fu*3.lf"), ["1.0e-5f", "+", ".5", "-", "0x1Fu", "*", "3.lf"]);
         assert_eq!(words("0xE+1 1e+2"), ["0xE", "+", "1", "1e+2"]);
         assert_eq!(words("0.25f.xxxx 1.0.x 1.5.2 .5.f"), ["0.25f", ".", "xxxx", "1.0", ".", "x", "1.5.2", ".5.f"]);
+        assert_eq!(words("1u.xx 0x1FU.r 1u.5"), ["1u", ".", "xx", "0x1FU", ".", "r", "1u.5"]);
     }
 
     #[test]

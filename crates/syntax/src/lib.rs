@@ -167,6 +167,9 @@ pub fn is_builtin_function(shader: &Shader, name: &str) -> bool {
     !builtin::functions(name).is_empty() && builtin::function_absent(name, shader.stage(), &language).is_none()
 }
 
+/// A function that prints a string and numbers, and changes nothing (GL_EXT_debug_printf).
+pub const PRINTS: &str = "debugPrintfEXT";
+
 /// A shader and what is wrong with it.
 #[derive(Clone, Debug)]
 pub struct Parsed {
@@ -271,8 +274,16 @@ impl Shader {
         left: preprocess::Preprocessed,
         mut sink: sink::Sink,
     ) -> Parsed {
-        let preprocess::Preprocessed { tokens, version, mut extensions, raw, incomplete, mut holes, directives: _ } =
-            left;
+        let preprocess::Preprocessed {
+            tokens,
+            version,
+            mut extensions,
+            raw,
+            incomplete,
+            mut holes,
+            wanted,
+            directives: _,
+        } = left;
         let file = &sink.file.clone();
         // A macro that stands for a hole is one where it is used.
         sink.fill_in(tokens.iter().filter(|tok| tok.lex == lexer::Lex::Hole).map(|tok| tok.span));
@@ -295,10 +306,11 @@ impl Shader {
             functions,
             mut uses,
             unknown,
-            lacking,
+            mut lacking,
             absent,
             interface,
         } = check::check(&unit, &arena, stage, language, incomplete, &mut sink);
+        lacking.extend(wanted.into_iter().map(|name| (name, Lacks::Value)));
         // A project keeps thousands of these: what growing vectors hold in reserve adds up.
         arena.shrink();
         symbols.shrink_to_fit();

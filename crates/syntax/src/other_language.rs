@@ -55,15 +55,30 @@ fn marks(text: &str, own: Looks) -> Vec<(Looks, Span)> {
         // `static const float4 k`, `Output o = (Output)0;`
         ("static", "const", name) if named(name) => Some(Looks::Hlsl),
         ("(", name, ")") if named(name) && word(k + 3) == "0" => Some(Looks::Hlsl),
+        // `(float3x3)m`: GLSL has no casts.
+        ("(", name, ")") if is_hlsl_type(name) && named(word(k + 3)) => Some(Looks::Hlsl),
         _ => None,
     };
     (0..all.len()).filter_map(|k| Some((mark(k)?, all[k].span))).collect()
 }
 
+/// `float3`, `half4`, `float3x3`.
+fn is_hlsl_type(name: &str) -> bool {
+    let size = name.strip_prefix("float").or_else(|| name.strip_prefix("half"));
+    let digit = |c: u8| (b'1'..=b'4').contains(&c);
+    size.is_some_and(|size| match *size.as_bytes() {
+        [n] => digit(n),
+        [rows, b'x', columns] => digit(rows) && digit(columns),
+        _ => false,
+    })
+}
+
 /// Words without which no mark of another language than this is in a text.
 fn words_of_others(own: Looks) -> &'static [&'static str] {
     match own {
-        Looks::Glsl => &["@", "fn ", "cbuffer", "numthreads", "register", "SV_", "static", ")0", ") 0"],
+        Looks::Glsl => {
+            &["@", "fn ", "cbuffer", "numthreads", "register", "SV_", "static", ")0", ") 0", "(float", "(half"]
+        }
         Looks::Wgsl => &["version", "layout", "gl_", "main", "cbuffer", "numthreads", "register", "SV_", "float"],
         Looks::Hlsl => &["version", "layout", "gl_", "main", "@", "fn "],
     }
@@ -114,6 +129,8 @@ mod tests {
         assert!(other(hlsl, Looks::Glsl).unwrap().starts_with("a:1:14 the text looks like HLSL"));
         let parts = "#include \"in.hlsl\"\nO main(I input)\n{\n  O output = (O)0;\n  return output;\n}\n";
         assert!(other(parts, Looks::Glsl).unwrap().starts_with("a:4:14 the text looks like HLSL"));
+        let cast = "p_flat main(v_static I)\n{\n  p_flat O;\n  O.N = mul((float3x3)m_WV, I.Nh);\n  return O;\n}\n";
+        assert!(other(cast, Looks::Glsl).unwrap().starts_with("a:4:13 the text looks like HLSL"));
         assert!(other("float3 f(float3 x) { return x; }", Looks::Wgsl).unwrap().contains("HLSL"));
         for (text, own) in [(glsl, Looks::Glsl), (wgsl, Looks::Wgsl)] {
             assert_eq!(other(text, own), None);

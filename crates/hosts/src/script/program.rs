@@ -59,6 +59,10 @@ impl Programs<'_> {
         };
         let mut found: Vec<BTreeSet<ShaderRef>> = Vec::new();
         for write in &writes {
+            // A text of a stage that is not read has names of its own.
+            if write.value.clone().any(|at| self.is_unread(at)) {
+                return Own::Unknown;
+            }
             let mut refs = self.refs(&write.value);
             if refs.is_empty() {
                 refs = self.given(variable, write.at, DEPTH);
@@ -81,6 +85,13 @@ impl Programs<'_> {
             Some(_) => Own::Unknown,
             None => Own::Nothing,
         }
+    }
+
+    /// True for the text of a shader that is none of those of the file: a mesh shader.
+    fn is_unread(&self, at: usize) -> bool {
+        let Token::String { place, .. } = self.code.tokens[at] else { return false };
+        let text = || self.code.string(&(at..at + 1));
+        self.text(at, place).is_none() && text().is_some_and(|(text, _)| text.contains("void main"))
     }
 
     /// The writes to a variable that may count at a token; none where it is a parameter.

@@ -26,6 +26,7 @@ impl Fun<'_, '_> {
         match &statement.kind {
             StmtKind::Empty | StmtKind::Precision(_) | StmtKind::Qualified(_) => {}
             StmtKind::Declaration(declaration) => self.declaration(declaration)?,
+            StmtKind::Expr(id) if self.prints(*id) => {}
             StmtKind::Expr(id) => {
                 // `c ? f() : g();` without values is a branch.
                 self.discarded(*id)?;
@@ -99,6 +100,12 @@ impl Fun<'_, '_> {
             }
         }
         Ok(())
+    }
+
+    /// True for a call that prints and changes nothing. Its string is no value of the language.
+    fn prints(&self, id: ExprId) -> bool {
+        use syntax::ast::{Callee, ExprKind};
+        matches!(&self.shader.expr(id).kind, ExprKind::Call { callee: Callee::Name(name), .. } if name.name == syntax::PRINTS)
     }
 
     /// An expression whose value nobody wants.

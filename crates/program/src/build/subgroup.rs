@@ -112,6 +112,10 @@ impl Fun<'_, '_> {
         for &arg in args {
             values.push(self.expression(arg)?);
         }
+        // Numbers of invocations and sizes of clusters may be written as signed ones.
+        for number in values.iter_mut().skip(1).filter(|number| number.ty.scalar() == Some(ScalarType::Int)) {
+            *number = self.cast(number.clone(), ScalarType::Int, ScalarType::Uint)?;
+        }
         let wide = |v: &Val| v.ty.scalar().is_some_and(|s| s.bits() == 64);
         if values.iter().any(wide) {
             let message = format!("`{function}` of numbers of 64 bits");

@@ -467,8 +467,16 @@ impl Checker<'_> {
         } else {
             format!("`{}` does not take ({given})", name.name)
         };
-        // The closest ones: those with the most arguments that fit.
-        let mut close: Vec<(usize, String)> = same
+        // The closest ones: those with the most arguments that fit, of those that take the first one where there are any.
+        let takes_first = |c: &&Candidate| match (types.first(), c.params.first()) {
+            (Some(given), Some((_, param))) => self.conversions.allow(given, param),
+            _ => true,
+        };
+        let near: Vec<&Candidate> = match same.iter().any(takes_first) || !candidates.iter().any(|c| takes_first(&c)) {
+            true => same,
+            false => candidates.iter().filter(takes_first).collect(),
+        };
+        let mut close: Vec<(usize, String)> = near
             .iter()
             .map(|c| {
                 let fitting = c.params.iter().zip(types).filter(|((_, p), t)| self.conversions.allow(t, p)).count();

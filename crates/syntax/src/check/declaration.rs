@@ -80,6 +80,10 @@ impl Checker<'_> {
                     {
                         builtin::structure_type(name).unwrap_or(Type::Error)
                     }
+                    // A sampler of Vulkan, which stands for a texture beside it.
+                    None if self.language.is_open() && matches!(name.as_str(), "sampler" | "samplerShadow") => {
+                        Type::Error
+                    }
                     None => {
                         self.lack(name, Lacks::Type);
                         if !self.language.is_open() && self.first_time(name) {

@@ -244,11 +244,12 @@ impl Checker<'_> {
     fn belongs(&self, key: &str, bearer: Bearer, ty: Option<&Type>) -> bool {
         use Bearer::{Block, Builtin, Member, Nothing, Variable};
         use Storage::{Buffer, In, Out, Uniform};
-        let stage = self.stage;
+        // What a library is included by may be any stage.
+        let of = |stage| self.stage == stage || self.stage == Stage::Library;
         let opaque = ty.is_some_and(Type::contains_opaque);
         match key {
             "location" => matches!(bearer, Variable(In | Out | Uniform) | Block(In | Out) | Member(In | Out)),
-            "index" => stage == Stage::Fragment && bearer == Variable(Out),
+            "index" => of(Stage::Fragment) && bearer == Variable(Out),
             "component" => matches!(bearer, Variable(In | Out) | Member(In | Out)),
             "binding" => {
                 matches!(bearer, Block(Uniform | Buffer))
@@ -266,27 +267,23 @@ impl Checker<'_> {
             "row_major" | "column_major" => {
                 matches!(bearer, Block(Uniform | Buffer) | Bearer::Stage(Uniform | Buffer) | Member(Uniform | Buffer))
             }
-            "origin_upper_left" | "pixel_center_integer" => stage == Stage::Fragment && bearer == Builtin,
+            "origin_upper_left" | "pixel_center_integer" => of(Stage::Fragment) && bearer == Builtin,
             "depth_any" | "depth_greater" | "depth_less" | "depth_unchanged" => {
-                stage == Stage::Fragment && bearer == Builtin
+                of(Stage::Fragment) && bearer == Builtin
             }
             "points" | "lines" | "lines_adjacency" | "triangles_adjacency" => {
-                stage == Stage::Geometry && matches!(bearer, Bearer::Stage(In | Out))
+                of(Stage::Geometry) && matches!(bearer, Bearer::Stage(In | Out))
             }
-            "triangles" => match stage {
-                Stage::Geometry => matches!(bearer, Bearer::Stage(In | Out)),
-                Stage::TessEvaluation => bearer == Bearer::Stage(In),
-                _ => false,
-            },
-            "line_strip" | "triangle_strip" | "max_vertices" => {
-                stage == Stage::Geometry && bearer == Bearer::Stage(Out)
+            "triangles" => {
+                of(Stage::Geometry) && matches!(bearer, Bearer::Stage(In | Out))
+                    || of(Stage::TessEvaluation) && bearer == Bearer::Stage(In)
             }
-            "invocations" => stage == Stage::Geometry && bearer == Bearer::Stage(In),
+            "line_strip" | "triangle_strip" | "max_vertices" => of(Stage::Geometry) && bearer == Bearer::Stage(Out),
+            "invocations" => of(Stage::Geometry) && bearer == Bearer::Stage(In),
             "stream" => {
-                stage == Stage::Geometry
-                    && matches!(bearer, Bearer::Stage(Out) | Variable(Out) | Block(Out) | Member(Out))
+                of(Stage::Geometry) && matches!(bearer, Bearer::Stage(Out) | Variable(Out) | Block(Out) | Member(Out))
             }
-            "vertices" => stage == Stage::TessControl && bearer == Bearer::Stage(Out),
+            "vertices" => of(Stage::TessControl) && bearer == Bearer::Stage(Out),
             "quads"
             | "isolines"
             | "equal_spacing"
@@ -294,9 +291,9 @@ impl Checker<'_> {
             | "fractional_odd_spacing"
             | "cw"
             | "ccw"
-            | "point_mode" => stage == Stage::TessEvaluation && bearer == Bearer::Stage(In),
-            "local_size_x" | "local_size_y" | "local_size_z" => stage == Stage::Compute && bearer == Bearer::Stage(In),
-            "early_fragment_tests" => stage == Stage::Fragment && bearer == Bearer::Stage(In),
+            | "point_mode" => of(Stage::TessEvaluation) && bearer == Bearer::Stage(In),
+            "local_size_x" | "local_size_y" | "local_size_z" => of(Stage::Compute) && bearer == Bearer::Stage(In),
+            "early_fragment_tests" => of(Stage::Fragment) && bearer == Bearer::Stage(In),
             "xfb_offset" => matches!(bearer, Variable(Out) | Block(Out) | Member(Out) | Builtin),
             "xfb_buffer" | "xfb_stride" => {
                 matches!(bearer, Bearer::Stage(Out) | Variable(Out) | Block(Out) | Member(Out) | Builtin)

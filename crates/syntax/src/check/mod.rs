@@ -392,7 +392,9 @@ impl<'a> Checker<'a> {
 
     /// Remembers a name that nothing declares; what stands for a name is none.
     fn lack(&mut self, name: &str, what: Lacks) {
-        let known = crate::hole::stands_for(name) || self.out.lacking.iter().any(|(known, _)| known == name);
+        let known = crate::hole::stands_for(name)
+            || name == crate::PRINTS
+            || self.out.lacking.iter().any(|(known, _)| known == name);
         if !known {
             self.out.lacking.push((name.to_owned(), what));
         }

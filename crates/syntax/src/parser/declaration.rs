@@ -230,6 +230,7 @@ impl Parser<'_> {
         self.close(Lex::RParen, ")", open)?;
         let params_span = self.since(open);
         let head_span = self.since(start);
+        self.hints()?;
         let body = if self.peek() == Lex::LBrace {
             Some(self.block()?)
         } else if self.tok(0).first || self.peek() == Lex::Semicolon || self.at_end() {

@@ -10,8 +10,17 @@ use base::diagnostic::message;
 use base::text::Span;
 
 /// Hints for a compiler, which change no result.
-pub(crate) const HINTS: [&str; 8] =
-    ["unroll", "dont_unroll", "loop", "dont_loop", "branch", "flatten", "dont_flatten", "dependency_infinite"];
+pub(crate) const HINTS: [&str; 9] = [
+    "unroll",
+    "dont_unroll",
+    "loop",
+    "dont_loop",
+    "branch",
+    "flatten",
+    "dont_flatten",
+    "dependency_infinite",
+    "subgroup_uniform_control_flow",
+];
 
 impl Parser<'_> {
     /// A statement; one that cannot be read is skipped and becomes an error node.
@@ -28,9 +37,9 @@ impl Parser<'_> {
     }
 
     /// Passes over `[[unroll]]` and the like: hints for a compiler, which change no result.
-    /// (GL_EXT_control_flow_attributes)
-    fn hints(&mut self) -> Read<()> {
-        const SINCE: Since = (NEVER, NEVER, &["EXT_control_flow_attributes"]);
+    /// (GL_EXT_control_flow_attributes, GL_EXT_subgroup_uniform_control_flow)
+    pub(super) fn hints(&mut self) -> Read<()> {
+        const SINCE: Since = (NEVER, NEVER, &["EXT_control_flow_attributes", "EXT_subgroup_uniform_control_flow"]);
         while (self.peek(), self.peek_at(1)) == (Lex::LBracket, Lex::LBracket) {
             if !self.words.language().since(SINCE) {
                 let name = self.word_at(2).to_owned();

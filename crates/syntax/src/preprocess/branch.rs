@@ -15,6 +15,8 @@ pub(super) struct Conditional {
     /// A branch was taken, or the whole lies in a part that is left out.
     pub(super) done: bool,
     pub(super) seen_else: bool,
+    /// The macro for want of which the first branch is compiled: `#ifndef NAME`.
+    pub(super) wants: Option<String>,
 }
 
 impl Preprocessor<'_> {
@@ -35,8 +37,18 @@ impl Preprocessor<'_> {
                     false
                 }
             };
+        let wants = match (word, rest) {
+            ("ifndef", [name]) => Some(name),
+            ("if", [not, defined, name] | [not, defined, _, name, _])
+                if not.lex == Lex::Bang && self.slice(defined) == "defined" =>
+            {
+                Some(name)
+            }
+            _ => None,
+        };
+        let wants = wants.filter(|name| name.lex == Lex::Word).map(|name| self.slice(name));
         let span = Span::new(span.start, name.span.end);
-        self.conditionals.push(Conditional { span, active: value, done: value || !outer, seen_else: false });
+        self.conditionals.push(Conditional { span, active: value, done: value || !outer, seen_else: false, wants });
     }
 
     pub(super) fn elif(&mut self, rest: &[Piece], span: Span) {
@@ -49,6 +61,7 @@ impl Preprocessor<'_> {
         if let Some(top) = self.conditionals.last_mut() {
             top.active = value;
             top.done |= value;
+            top.wants = None;
         }
     }
 
@@ -58,6 +71,7 @@ impl Preprocessor<'_> {
         let again = std::mem::replace(&mut top.seen_else, true);
         top.active = !top.done && !again;
         top.done = true;
+        top.wants = None;
         if again {
             self.sink.error(errors::CONDITIONAL, span, "a second `#else` for one `#if`", "second `#else`");
         }

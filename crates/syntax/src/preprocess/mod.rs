@@ -29,6 +29,8 @@ pub(crate) struct Preprocessed {
     pub incomplete: bool,
     /// Directives of which another tool makes something.
     pub holes: Vec<Span>,
+    /// Macros for want of which an `#error` is reached.
+    pub wanted: Vec<String>,
     /// What a text that is not GLSL has besides.
     pub directives: Vec<plain::Foreign>,
 }
@@ -46,6 +48,7 @@ struct Preprocessor<'a> {
     version: Version,
     extensions: Vec<Extension>,
     line_shift: i64,
+    wanted: Vec<String>,
     incomplete: bool,
     /// A token or directive stands before the line at hand.
     begun: bool,
@@ -95,6 +98,7 @@ impl<'a> Preprocessor<'a> {
             conditionals: Vec::new(),
             pending: Vec::new(),
             out: Vec::new(),
+            wanted: Vec::new(),
             incomplete: before.as_ref().is_some_and(|before| before.names),
             version: before.map_or(assumed, |before| before.version),
             extensions: Vec::new(),
@@ -159,9 +163,9 @@ impl<'a> Preprocessor<'a> {
             this.sink.push(diagnostic);
         }
         this.sink.expanded();
-        let Preprocessor { out: tokens, version, extensions, incomplete, holes, plain, .. } = self;
+        let Preprocessor { out: tokens, version, extensions, incomplete, holes, wanted, plain, .. } = self;
         let directives = plain.map(|state| state.directives).unwrap_or_default();
-        Preprocessed { tokens, version, extensions, raw, incomplete, holes, directives }
+        Preprocessed { tokens, version, extensions, raw, incomplete, holes, wanted, directives }
     }
 
     fn open_comment(&mut self, pieces: &Pieces) {
@@ -313,6 +317,7 @@ impl Preprocessor<'_> {
                 }
             }
             "error" => {
+                self.wanted.extend(self.conditionals.last().and_then(|open| open.wants.clone()));
                 let text = line
                     .get(2)
                     .map_or(String::new(), |p| self.sink.file.slice(Span::new(p.span.start, span.end)).to_owned());

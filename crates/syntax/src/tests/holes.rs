@@ -39,6 +39,8 @@ fn a_hole_stands_for_what_is_needed_and_the_rest_is_read() {
         "float w[${COUNT}];\nfloat f() { return w[2]; }",
         "vec3 f(vec4 raw) { vec3 a = {decode}(raw); a += {decode}(raw.wzyx); return a; }",
         "layout(location = ${n}) in vec4 x;",
+        "layout(location = %ws) in vec4 x;",
+        "const float a = 2.0 * %s + %d;",
         "layout(${key}) in vec4 x;",
         "float f(float x) { return <moved(x)> + x; }",
         "float f(float x) { return $moved(x) * $gain; }",

@@ -473,3 +473,22 @@ fn foreign_characters_in_a_macro_count_where_it_is_used() {
     assert_eq!(found(Stage::Vertex, "300 es", &text("int a = 1 NAME;")), ["E002 `\u{7bb8}` is not part of GLSL"]);
     assert_eq!(found(Stage::Vertex, "330", &text("")), ["E002 `\u{7bb8}` is not part of GLSL"]);
 }
+
+#[test]
+fn a_library_may_be_included_by_any_stage() {
+    let texts = [
+        "layout(depth_greater) out float gl_FragDepth;",
+        "layout(early_fragment_tests) in;",
+        "layout(local_size_x = 8) in;",
+        "layout(triangles) in;\nlayout(line_strip, max_vertices = 2) out;",
+        "layout(triangles, equal_spacing) in;",
+        "layout(vertices = 3) out;",
+    ];
+    for text in texts {
+        assert_eq!(found(Stage::Library, "430", text), Vec::<String>::new(), "{text}");
+    }
+    for text in ["layout(depth_greater) out float depth;", "layout(local_size_x = 8) out;", "layout(vertices = 3) in;"]
+    {
+        assert!(found(Stage::Library, "430", text)[0].starts_with("E043"), "{text}");
+    }
+}

@@ -26,6 +26,7 @@ pub(super) fn of_function(shader: &Shader, function: FunctionId) -> Vec<Vanishin
         atoms: Vec::new(),
         numbers: HashMap::new(),
         values: BTreeMap::new(),
+        copies: BTreeMap::new(),
         goes_to: None,
         found: Vec::new(),
     };
@@ -49,6 +50,8 @@ struct Walk<'s> {
     atoms: Vec<Known>,
     numbers: HashMap<String, Atom>,
     values: BTreeMap<Place, Polynomial>,
+    /// Variables that hold what others do, bit for bit.
+    copies: BTreeMap<SymbolId, SymbolId>,
     goes_to: Option<SymbolId>,
     found: Vec<Vanishing>,
 }
@@ -140,6 +143,11 @@ impl Walk<'_> {
         self.goes_to = outer;
         self.any(symbol);
         self.values.insert((symbol, String::new()), polynomial);
+        let of = self.shader.symbol_of(self.bare(value));
+        if let Some(of) = of {
+            let first = self.copies.get(&of).copied().unwrap_or(of);
+            self.copies.insert(symbol, first);
+        }
         for (k, part) in parts.into_iter().enumerate() {
             self.values.insert((symbol, COMPONENTS[k].to_owned()), part);
         }
@@ -165,6 +173,7 @@ impl Walk<'_> {
 
     /// Nothing is known of a variable any more.
     fn any(&mut self, symbol: SymbolId) {
+        self.copies.retain(|copy, of| *copy != symbol && *of != symbol);
         self.values.retain(|(of, _), _| *of != symbol);
         let fresh = self.fresh(self.shader.symbol(symbol).ty.is_scalar());
         self.values.insert((symbol, String::new()), fresh);
@@ -377,7 +386,9 @@ impl Walk<'_> {
             BinaryOp::Add | BinaryOp::Sub if real => {
                 let sum = a.plus(b, if op == BinaryOp::Add { 1.0 } else { -1.0 });
                 let [left, right] = of.map(|side| self.shader.text_of(self.bare(side)));
-                self.look(id, &sum, &values, left != right);
+                // A number less itself is 0 however it was rounded.
+                let same = op == BinaryOp::Sub && self.are_copies(of);
+                self.look(id, &sum, &values, left != right && !same);
                 Some(sum)
             }
             BinaryOp::Mul if real && plain => a.times(b),
@@ -388,6 +399,15 @@ impl Walk<'_> {
         };
         let scalar = self.shader.type_of(id).is_scalar();
         known.map_or_else(|| self.named(format!("{op:?}{a:?}{b:?}"), scalar), Polynomial::rounded)
+    }
+
+    /// True for two variables with the same bits.
+    fn are_copies(&self, of: [ExprId; 2]) -> bool {
+        let [a, b] = of.map(|side| {
+            let symbol = self.shader.symbol_of(self.bare(side))?;
+            Some(self.copies.get(&symbol).copied().unwrap_or(symbol))
+        });
+        a.is_some() && a == b
     }
 
     /// Notes a sum of two terms that vanishes though they do not.

@@ -6,7 +6,6 @@ use super::super::types::ScalarType;
 use super::super::{TokenKind, errors};
 use super::nowhere;
 use super::parser::{DEEPEST, Parser, Read, Unread};
-use super::types::is_generator;
 use base::diagnostic::message;
 use base::text::Span;
 
@@ -197,11 +196,7 @@ impl Parser<'_> {
                     return Ok(self.add(ExprKind::Literal(Literal::Bool(word == "true")), start));
                 }
                 let name = self.ident()?;
-                let ty = if self.peek() == "<" && is_generator(&name.name) {
-                    Some(self.arguments(name.clone())?)
-                } else {
-                    None
-                };
+                let ty = if self.opens_template() { Some(self.arguments(name.clone())?) } else { None };
                 if self.peek() == "(" {
                     return self.call(name, ty);
                 }

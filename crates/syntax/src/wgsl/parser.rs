@@ -494,6 +494,42 @@ impl<'a> Parser<'a> {
         Ok(TypeArg { ty: None, expr: Some(expr) })
     }
 
+    /// Whether the `<` that comes next opens a template list and compares nothing: whether a `>` closes it before a token that
+    /// no template list has (WGSL, 3.9 "Template Lists").
+    pub(super) fn opens_template(&self) -> bool {
+        if self.peek() != "<" {
+            return false;
+        }
+        // How many brackets are open around each `<` that may open a list; the first is the one that is asked for.
+        let mut open = vec![0_u32];
+        let mut depth = 0_u32;
+        for at in 1.. {
+            match self.ahead(at) {
+                "" | ";" | "{" | ":" | "=" => return false,
+                "&&" | "||" | ")" | "]" if depth == 0 => return false,
+                "&&" | "||" => open.retain(|of| *of < depth),
+                "(" | "[" => depth += 1,
+                ")" | "]" => {
+                    open.retain(|of| *of < depth);
+                    depth -= 1;
+                }
+                "<" if self.tokens[self.at + at - 1].kind == TokenKind::Word => open.push(depth),
+                token @ (">" | ">>" | ">=" | ">>=") => {
+                    for _ in token.matches('>') {
+                        if open.last() == Some(&depth) {
+                            open.pop();
+                        }
+                    }
+                    if open.is_empty() {
+                        return true;
+                    }
+                }
+                _ => {}
+            }
+        }
+        false
+    }
+
     /// Reads a `>`, be it the first character of a longer token.
     fn close(&mut self) -> Read<()> {
         match self.peek() {

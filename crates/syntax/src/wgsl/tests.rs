@@ -212,3 +212,23 @@ fn an_atomic_is_written_by_a_function_alone() {
     let right = "hs[i].m = 0u; atomicStore(&hs[i].n, 1u); var own = 1; own = 2; let x = atomicAdd(&all[i], 1u);";
     assert!(of(right).is_empty(), "{:?}", of(right));
 }
+
+#[test]
+fn template_lists_are_told_from_comparisons() {
+    let of = |expression: &str| {
+        let text = format!("fn f(a: i32, b: i32, c: i32, g: i32) {{ let x = {expression}; }}");
+        let parsed = parsed(&text);
+        let lists = parsed.shader.arena().iter().filter(|(_, e)| matches!(e.kind, ExprKind::Call { .. }));
+        (lists.count(), parsed.diagnostics.iter().filter(|d| d.code == errors::SYNTAX).count())
+    };
+    for list in ["load<mat<f32, A>>(a)", "load<A>(a)", "vec2<i32>(a, b)", "load<(a > b)>(c)", "array<i32, (2 >> 1)>(a)"]
+    {
+        assert_eq!(of(list), (1, 0), "{list}");
+    }
+    for compared in
+        ["a < b && c > (g)", "(a < b) == (c > (g))", "a < b", "(a < b) || c >> 1u > (2)", "a <= b", "a << 2u"]
+    {
+        assert_eq!(of(compared), (0, 0), "{compared}");
+    }
+    assert_eq!(of("load(a < b, c)"), (1, 0));
+}
