@@ -104,6 +104,8 @@ impl Pixels<'_> {
         let Some((name, args)) = builtin(shader, id, &names) else { return Unknown };
         let first = args.first().map_or(Unknown, |arg| self.unit(*arg));
         match (name, first) {
+            // What ends at a constant is none of the large numbers.
+            ("min" | "clamp", Known(..)) if args.last().is_some_and(|end| self.unit(*end) == Free) => Unknown,
             ("min" | "max" | "clamp" | "distance", _) => one_of(args.iter().map(|arg| self.unit(*arg))),
             ("mix", _) => one_of(args.iter().take(2).map(|arg| self.unit(*arg))),
             ("dot", Known(a, seed)) => match args.get(1).map(|arg| self.unit(*arg)) {

@@ -6,7 +6,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use syntax::ast::{BinaryOp, ExprId, ExprKind, UnaryOp};
+use syntax::ast::{BinaryOp, Expr, ExprId, ExprKind, UnaryOp};
 use syntax::interface::Storage;
 use syntax::symbols::{CallTarget, SymbolId, SymbolKind};
 use syntax::types::{ScalarType, Type};
@@ -95,14 +95,52 @@ impl<'s> Pixels<'s> {
         // What is left of a number of pixels is a part of one, whatever it is divided by later.
         let rests = this.initial.iter().filter(|(_, value)| this.is_left_over(*value, 0));
         this.torn = rests.map(|(symbol, _)| *symbol).collect();
+        let (of, seeds) = (this.of.clone(), this.seeds.len());
         for _ in 0..ROUNDS {
-            let known = this.of.len();
-            this.round();
-            if this.of.len() == known {
+            this.settle();
+            let changed = this.changed();
+            if changed.is_empty() {
+                break;
+            }
+            // What followed from them follows from nothing.
+            this.torn.extend(changed);
+            this.of.clone_from(&of);
+            this.seeds.truncate(seeds);
+        }
+        this
+    }
+
+    fn settle(&mut self) {
+        for _ in 0..ROUNDS {
+            let known = self.of.len();
+            self.round();
+            if self.of.len() == known {
                 break;
             }
         }
-        this
+    }
+
+    /// Variables that get another unit on their way: `p /= size` and `p = p / size` make a share of a place.
+    fn changed(&self) -> Vec<SymbolId> {
+        let changes = |expr: &Expr| match expr.kind {
+            ExprKind::Assign { op, op_span: _, target, value } => {
+                let target = match self.shader.expr(bare(self.shader, target)).kind {
+                    ExprKind::Field { base, .. } => base,
+                    _ => target,
+                };
+                let symbol = self.shader.symbol_of(bare(self.shader, target))?;
+                let (own, _) = *self.of.get(&symbol)?;
+                let other = match (op, self.unit(value)) {
+                    (Some(BinaryOp::Mul | BinaryOp::Div), Free) => false,
+                    (Some(BinaryOp::Mul | BinaryOp::Div), _) => !matches!(self.shader.type_of(value), Type::Matrix(..)),
+                    (None, Known(power, _)) => power != own,
+                    _ => false,
+                };
+                other.then_some(symbol)
+            }
+            _ => None,
+        };
+        self.shader.arena().iter().filter_map(|(_, expr)| changes(expr)).collect()
     }
 
     /// What a value that is known follows from.
@@ -376,6 +414,20 @@ mod tests {
         assert_eq!(power("vec2 p = uv / u_texelSize; float x = p.y;"), Some(1));
         assert_eq!(power("float x = distance(uv, a);"), None, "nothing says what these are");
         assert_eq!(power("float x = gl_FragCoord.z;"), None);
+    }
+
+    #[test]
+    fn what_gets_another_unit_has_none() {
+        let place = "vec2 p = gl_FragCoord.xy;";
+        for change in ["p /= u_resolution.y;", "p = p / u_resolution.y;", "p = vec2(p.x * 2.0 / u_resolution.y, 0.5);"]
+        {
+            assert_eq!(power(&format!("{place} {change} float x = dot(p, p);")), None, "{change}");
+        }
+        for kept in ["p *= 2.0;", "p -= 0.5 * u_resolution;", "p = p - u_resolution;", "p *= mat2(0.0, 1.0, 1.0, 0.0);"]
+        {
+            assert_eq!(power(&format!("{place} {kept} float x = dot(p, p);")), Some(2), "{kept}");
+        }
+        assert_eq!(power("vec2 p = clamp(gl_FragCoord.xy - a, 0.0, 1.0); float x = dot(p, p);"), None, "at most 1");
     }
 
     #[test]

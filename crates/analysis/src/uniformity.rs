@@ -70,8 +70,31 @@ pub struct Parted {
     pub by: ExprId,
     /// Why it is not.
     pub why: Varies,
-    /// True for a barrier, false for a derivative.
-    pub barrier: bool,
+    /// What it is.
+    pub what: Together,
+}
+
+/// What invocations have to do together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Together {
+    /// A barrier, to which all invocations of a work group come.
+    Barrier,
+    /// A derivative, from neighbouring pixels.
+    Derivative,
+    /// An operation of a subgroup or quad, as WGSL has it.
+    Subgroup,
+}
+
+impl Together {
+    fn of(name: &str) -> Option<Self> {
+        if is_barrier(name) {
+            Some(Self::Barrier)
+        } else if takes_derivatives(name) {
+            Some(Self::Derivative)
+        } else {
+            (syntax::wgsl::is_builtin(name) && is_of_lanes(name)).then_some(Self::Subgroup)
+        }
+    }
 }
 
 /// The condition that parts invocations, and why; none while they are together.
@@ -171,6 +194,11 @@ fn of_builtin(name: &str) -> Varies {
 fn is_of_a_subgroup(name: &str) -> bool {
     let apart = ["Inclusive", "Exclusive", "Clustered", "Shuffle", "Quad", "Elect", "Partitioned", "Rotate"];
     name.starts_with("subgroup") && !apart.iter().any(|part| name.contains(part))
+}
+
+/// True for functions whose invocations give each other values.
+fn is_of_lanes(name: &str) -> bool {
+    name.starts_with("subgroup") || name.starts_with("quad")
 }
 
 /// True for what WGSL declares: functions, and types that are made of their arguments.
@@ -432,18 +460,18 @@ impl<'s> Walk<'s> {
             }
             return Varies::NOT;
         }
-        let barrier = is_barrier(name);
-        if let Some((by, why)) = here
-            && (barrier || takes_derivatives(name))
+        if let (Some((by, why)), Some(what)) = (here, Together::of(name))
+            // In GLSL those that come to an operation of a subgroup are those that take part in it.
+            && (self.splits.is_none() || what != Together::Subgroup)
         {
-            self.found.insert(Parted { call: id, by, why, barrier });
+            self.found.insert(Parted { call: id, by, why, what });
         }
         match name {
             "workgroupUniformLoad" | "arrayLength" | "textureDimensions" | "textureNumLevels" => Varies::NOT,
             _ if name.starts_with("atomic") => any | Varies::DATA | Varies::ORDER,
             _ if self.splits.is_some() && name.starts_with("imageAtomic") => any | Varies::DATA | Varies::ORDER,
             _ if self.one_subgroup && is_of_a_subgroup(name) => Varies::NOT,
-            _ if self.splits.is_some() && name.starts_with("subgroup") => any | Varies::DATA,
+            _ if is_of_lanes(name) => any | Varies::DATA,
             _ => any,
         }
     }

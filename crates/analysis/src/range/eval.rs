@@ -86,7 +86,7 @@ impl<'s> Machine<'s> {
         }
     }
 
-    /// Runs the initialisers of globals, `main`, and what `main` does not reach.
+    /// Runs the initialisers of globals, `main`, and what `main` does not reach: functions that none calls before others.
     pub fn run(&mut self) {
         let shader = self.shader;
         for item in &shader.unit().items {
@@ -95,10 +95,19 @@ impl<'s> Machine<'s> {
             }
         }
         let start = self.state.clone();
-        let mut roots: Vec<FunctionId> =
-            shader.functions().filter(|(_, f)| f.name.name == "main").map(|(i, _)| i).collect();
-        roots.extend(shader.functions().filter(|(_, f)| f.name.name != "main").map(|(i, _)| i));
-        for root in roots {
+        let called: BTreeSet<FunctionId> = shader
+            .arena()
+            .iter()
+            .filter_map(|(id, _)| match shader.callee(id) {
+                Some(CallTarget::User(function)) => Some(*function),
+                _ => None,
+            })
+            .collect();
+        let mut roots: Vec<(FunctionId, bool)> =
+            shader.functions().map(|(id, function)| (id, function.name.name == "main")).collect();
+        // What others call is met with the values that they give it.
+        roots.sort_by_key(|(id, is_main)| (!is_main, called.contains(id)));
+        for (root, _) in roots {
             if self.reached.contains(&root) {
                 continue;
             }

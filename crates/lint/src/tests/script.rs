@@ -186,3 +186,20 @@ fn values_between_strings_leave_one_text() {
     assert_eq!(found("a.js", common), [("a.js#fs".to_owned(), Stage::Fragment, true)]);
     assert_eq!(reported("a.js", common), [""; 0]);
 }
+
+#[test]
+fn a_program_with_a_stage_that_is_not_read_may_have_any_uniform() {
+    let text = |key: &str, body: &str| {
+        format!(
+            "prog = ctx.program(\n    {key}=\"\"\"\n        #version 460\n        {body}\n    \"\"\",\n    fragment_shader=\"\"\"\n\
+             \x20       #version 460\n        out vec4 c;\n        void main() {{ c = vec4(1.0); }}\n    \"\"\",\n)\ncam = prog[\"mvp\"]\n"
+        )
+    };
+    let mesh = "#extension GL_NV_mesh_shader : require\n        layout(local_size_x = 1) in;\n        \
+                layout(triangles, max_vertices = 3, max_primitives = 1) out;\n        uniform mat4 mvp;\n        \
+                void main() { gl_MeshVerticesNV[0].gl_Position = mvp * vec4(1.0); gl_PrimitiveCountNV = 0; }";
+    assert_eq!(reported("a.py", &text("mesh_shader", mesh)), [""; 0]);
+    let vertex = "in vec4 p;\n        void main() { gl_Position = p; }";
+    let told = reported("a.py", &text("vertex_shader", vertex));
+    assert!(told.len() == 1 && told[0].starts_with("H003 a.py:13:"), "{told:?}");
+}

@@ -43,18 +43,21 @@ pub fn write(found: &[Diagnostic], info: bool, context: &Context) -> String {
         // Writing into a String does not fail.
         let text = diagnostics::text(first, context.lang, context.color);
         let _ = writeln!(out, "{}", text.trim_end_matches('\n'));
-        also(&mut out, &others, context);
+        also(&mut out, first, &others, context);
         out.push('\n');
     }
     out
 }
 
-/// The places of the other findings of a cause.
-fn also(out: &mut String, others: &[&Diagnostic], context: &Context) {
+/// The places of the other findings of a cause, each with the name that it has in the place of the first one's.
+fn also(out: &mut String, first: &Diagnostic, others: &[&Diagnostic], context: &Context) {
     let mut label = message!("also at", "他の場所").in_lang(context.lang).to_owned();
     let width = label.chars().map(|c| if c.is_ascii() { 1 } else { 2 }).sum();
     for other in others.iter().take(MOST_PLACES) {
-        let _ = writeln!(out, "  {label} {}", other.file.locate(other.span.start));
+        let [names, of_first] = [other, first].map(|one| one.message.in_lang(context.lang).split('`'));
+        let own = names.zip(of_first).skip(1).step_by(2).find(|(name, of_first)| name != of_first);
+        let own = own.map_or_else(String::new, |(name, _)| format!(": `{name}`"));
+        let _ = writeln!(out, "  {label} {}{own}", other.file.locate(other.span.start));
         label = " ".repeat(width);
     }
     let (more, code) = (others.len().saturating_sub(MOST_PLACES), others.first().map_or("", |other| other.code.0));
@@ -112,7 +115,7 @@ mod tests {
         let titles: Vec<&str> = text.lines().filter(|line| line.contains('[')).collect();
         assert_eq!(titles.len(), 3, "{text}");
         assert!(titles[0].starts_with("error[T001") && titles[2].starts_with("warning[D006"), "{text}");
-        assert!(text.contains("  also at b0.vert:2:5\n          b1.vert:2:5\n"), "{text}");
+        assert!(text.contains("  also at b0.vert:2:5: `b`\n          b1.vert:2:5: `b`\n"), "{text}");
         assert!(text.contains("and 3 more places; `--select D006 --format concise` lists them all"), "{text}");
         assert!(write(&found, true, &Context::default()).contains("info[N014"));
         let statistics = statistics(&found);

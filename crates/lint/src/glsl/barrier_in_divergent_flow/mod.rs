@@ -30,7 +30,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
             continue;
         }
         let splits = splits(shader, &kernel);
-        for Parted { call, by, why, barrier: _ } in parted_barriers(shader, &kernel, &splits) {
+        for Parted { call, by, why, what: _ } in parted_barriers(shader, &kernel, &splits) {
             // Without the size of a group, an axis may have one invocation, which a guard on it does not part. One
             // condition is told once, at the first of its barriers.
             if (kernel.size.is_none() && why.by_dispatch_alone()) || !told.insert(by) {

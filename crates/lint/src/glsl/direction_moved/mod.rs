@@ -47,6 +47,14 @@ fn direction(shader: &Shader, id: ExprId) -> Option<&str> {
     }
 }
 
+/// The vector of which an expression takes components.
+fn whole(shader: &Shader, id: ExprId) -> ExprId {
+    match shader.expr(bare(shader, id)).kind {
+        ExprKind::Field { base, field: _ } => base,
+        _ => id,
+    }
+}
+
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     let shader = &file.shader;
     let mut forms = None;
@@ -71,7 +79,11 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
             shader.expr(forms.value(*three)).kind,
             ExprKind::Binary { op: BinaryOp::Add, op_span: _, left: _, right: _ }
         );
-        if drawn || summed {
+        // What a matrix moved before is a point, whatever its name is.
+        let moved = product(shader, forms.value(whole(shader, *three)))
+            .and_then(|(_, vector)| constructed(shader, vector, &Type::VEC4))
+            .is_some_and(|parts| parts.last().is_some_and(|w| constant(shader, *w) == Some(1.0)));
+        if drawn || summed || moved {
             continue;
         }
         findings.push(
@@ -132,6 +144,7 @@ mod tests {
             "n = (transpose(inverse(model)) * vec4(aNormal, 1.0)).xyz;",
             "n = (model * vec4(place + aNormal, 1.0)).xyz;",
             "gl_Position = model * vec4(aNormal, 1.0);",
+            "vec4 dir = rotation * vec4(place, 1.0); n = (model * vec4(dir.xyz, 1.0)).xyz;",
             "vec3 normalEnd = place + aNormal; n = (model * vec4(normalEnd, 1.0)).xyz - (model * vec4(place, 1.0)).xyz;",
         ] {
             assert_eq!(count(body), 0, "{body}");

@@ -136,6 +136,18 @@ mod tests {
     }
 
     #[test]
+    fn what_an_entry_point_sets_is_not_what_it_began_with() {
+        let count = |set: &str| {
+            let text = format!(
+                "var<private> size: f32 = 0.0;\nfn texel() -> f32 {{ return 3.0 / size; }}\n\
+                 @fragment fn shade() -> @location(0) vec4f {{ {set} return vec4f(texel()); }}\n"
+            );
+            super::super::testing::found("N009", "a.wgsl", &text).len()
+        };
+        assert_eq!((count("size = 4.0;"), count("")), (0, 1));
+    }
+
+    #[test]
     fn others_are_not() {
         silent(
             "N009",

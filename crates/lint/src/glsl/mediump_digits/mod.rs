@@ -6,10 +6,10 @@ use std::collections::HashMap;
 
 use base::diagnostic::{Code, Message, Severity, message};
 use base::text::Span;
-use syntax::ast::{BinaryOp, ExprId, ExprKind};
+use syntax::ast::{BinaryOp, Expr, ExprId, ExprKind};
 use syntax::interface::Storage;
 use syntax::precision::{Precisions, is_lower};
-use syntax::symbols::{SymbolId, SymbolKind};
+use syntax::symbols::{CallTarget, SymbolId, SymbolKind};
 use syntax::types::Type;
 use syntax::{Const, Shader, Stage, Token, TokenPlace};
 
@@ -56,7 +56,7 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
                 .or_else(|| scaled(shader, id, first))
                 .or_else(|| counted(&pixels, first))
         } else {
-            depth(shader, &precisions, id, first)
+            depth(shader, &precisions, id, first).filter(|_| !is_packed(shader, &initial, id))
         };
         found.extend(what.map(|what| (expr.span, what)));
     }
@@ -347,6 +347,30 @@ fn depth(shader: &Shader, precisions: &Precisions, id: ExprId, sampler: ExprId) 
     })
 }
 
+/// True for a texel of which several components make up one number: it has more digits than a component.
+fn is_packed(shader: &Shader, initial: &Initial, texel: ExprId) -> bool {
+    let fields = |is_base: &dyn Fn(ExprId) -> bool| -> Vec<&str> {
+        let all = shader.arena().iter().filter_map(|(_, expr)| match &expr.kind {
+            ExprKind::Field { base, field } if is_base(bare(shader, *base)) => Some(field.name.as_str()),
+            _ => None,
+        });
+        all.collect()
+    };
+    let own = fields(&|base| base == texel);
+    let of = initial.0.iter().find(|(_, value)| bare(shader, *value) == texel).map(|(symbol, _)| *symbol);
+    let parts = match (own.is_empty(), of) {
+        (true, Some(symbol)) => fields(&|base| shader.symbol_of(base) == Some(symbol)),
+        _ => own,
+    };
+    // What takes the whole texel unpacks it.
+    let taken = |id: ExprId, expr: &Expr| {
+        let takes = matches!(&expr.kind, ExprKind::Call { args, .. } if args.contains(&texel));
+        takes && matches!(shader.callee(id), Some(CallTarget::User(_)))
+    };
+    parts.iter().any(|part| part.len() > 1 || *part != parts[0])
+        || (parts.is_empty() && shader.arena().iter().any(|(id, expr)| taken(id, expr)))
+}
+
 /// The declaration of the sampler says in a comment that it is a depth.
 fn comment_names_depth(shader: &Shader, sampler: ExprId) -> bool {
     let Some(span) = shader.symbol_of(sampler).and_then(|symbol| shader.symbol(symbol).span) else { return false };
@@ -381,6 +405,10 @@ mod tests {
         assert_eq!(fragment(mediump, "gl_FragColor = vec4(fract(floor(uv.x * OutputSize.x) * -0.5));"), 1);
         assert_eq!(fragment(mediump, "gl_FragColor = vec4(floor(uv.x / texelSize.x));"), 1);
         assert_eq!(fragment(mediump, "gl_FragColor = texture2D(sceneDepth, uv);"), 1);
+        assert_eq!(fragment(mediump, "highp vec4 s = texture2D(sceneDepth, uv); gl_FragColor = vec4(s.r);"), 1);
+        let packed =
+            "highp vec4 s = texture2D(sceneDepth, uv); gl_FragColor = vec4(dot(s.ba, vec2(1.0, 1.0 / 255.0)));";
+        assert_eq!(fragment(mediump, packed), 0, "two components are one number");
         assert_eq!(fragment(mediump, "vec2 p = gl_FragCoord.xy; gl_FragColor = vec4(mod(p.x, 2.0));"), 1);
         assert_eq!(
             fragment(mediump, "gl_FragColor = vec4(floor(OutputSize.x / 200.0));"),

@@ -37,7 +37,10 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
             continue;
         }
         let small = value < SMALLEST;
-        if !small && !is_beside_one(shader, other) {
+        // Of two numbers the larger one is what it is.
+        let sum = matches!(shader.expr(id).kind, ExprKind::Binary { .. });
+        let lost = sum && is_beside_one(shader, other);
+        if !small && !lost {
             continue;
         }
         let span = shader.expr(id).span;
@@ -147,6 +150,7 @@ mod tests {
         assert_eq!(found(mediump, "gl_FragColor = vec4(c.x / (c.y + 1e-4));"), 0, "a number of its own");
         assert_eq!(found(mediump, "gl_FragColor = vec4(c.x / (1.0 - c.y + 1e-4));"), 1, "lost beside 1");
         assert_eq!(found(mediump, "gl_FragColor = vec4(c.x / (1.0 - c.y + 1e-3));"), 0);
+        assert_eq!(found(mediump, "gl_FragColor = vec4(c.x / max(1e-4, 1.0 - c.y));"), 0, "the larger one");
         assert_eq!(found(mediump, "gl_FragColor = vec4(c.x + eps);"), 0, "no divisor");
     }
 

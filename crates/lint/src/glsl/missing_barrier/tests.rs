@@ -50,6 +50,10 @@ fn writes_to_what_others_read_are_reported() {
 fn barriers_and_own_elements_are_in_order() {
     assert_eq!(glsl("s[i] = data[i]; barrier(); data[i] = s[63u - i];"), 0);
     assert_eq!(glsl("s[i] = data[i]; s[i] += 1u; data[i] = s[i];"), 0);
+    let stack = |stride: u32| {
+        format!("uint at = {stride}u * (i % 8u); if (i < 8u) {{ s[at] = 1u; uint k = data[i]; data[i] = s[at + k]; }}")
+    };
+    assert_eq!((glsl(&stack(8)), glsl(&stack(1))), (0, 1), "a part of the array for each, or neighbours");
     assert_eq!(glsl("v[i].x = 1.0; data[i] = uint(v[63u - i].y);"), 0, "another component");
     assert_eq!(glsl("s[2u * (i / 2u)] = 1u; data[i] = s[2u * (i / 2u)];"), 0, "all write the same");
     let tree =

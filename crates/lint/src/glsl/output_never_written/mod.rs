@@ -21,7 +21,8 @@ pub const RULE: Rule = Rule {
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     let (shader, flow) = (&file.shader, file.flow());
     let declared = |o: &&analysis::flow::Output| shader.symbol(o.symbol).kind != SymbolKind::Builtin;
-    for output in flow.outputs.iter().filter(declared).filter(|o| o.written == 0) {
+    // Where no invocation comes to its end, as behind a `discard`, none has to be written.
+    for output in flow.outputs.iter().filter(declared).filter(|o| o.written == 0 && o.surely == 0) {
         let symbol = shader.symbol(output.symbol);
         let (Some(span), name) = (symbol.span, &symbol.name) else { continue };
         let to = if shader.stage() == Stage::Fragment {
@@ -109,6 +110,7 @@ mod tests {
             ("a.frag", "out vec4 c; void f(inout vec4 x) { x = vec4(1.0); }", "f(c);"),
             ("a.frag", "out vec4 c[2];", "c[1].x = 1.0;"),
             ("a.frag", "", ""),
+            ("a.frag", "out vec4 c;", "discard;"),
             ("a.vert", "out vec3 p; in vec3 q;", "p = q;"),
             ("a.vert", "out V { vec3 n; };", "n = vec3(1.0); gl_Position = vec4(n, 1.0);"),
             ("a.geom", "layout(points) in; layout(points, max_vertices = 1) out; out vec3 n;", "n = vec3(1.0);"),

@@ -174,6 +174,7 @@ mod tests {
             "float s = a + b; if (a > b) s = a; float e = b - (s - a); return vec2(s, e);",
             "float s = a; for (int i = 0; i < 4; i++) { float e = s - a; s += b + e; } return vec2(s);",
             "float c = a; float d = c - a; return vec2(c, d);",
+            "float c = a + b; float d = c; float e = abs(c - d); return vec2(d, e);",
             "vec2 d = p - q; return q + d * 0.5;",
             "float s = p.x + q.x; return vec2(q.y - (s - p.x));",
         ];

@@ -2,8 +2,10 @@
 
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::flow::{Certainty, Unassigned};
+use analysis::forms::builtin;
 use base::diagnostic::{Code, Diagnostic, Severity, message};
 use reading::ShaderFile;
+use syntax::Shader;
 use syntax::symbols::SymbolKind;
 
 use super::variable::{part, with_zero};
@@ -23,7 +25,8 @@ pub const RULE: Rule = Rule {
 
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     for read in &file.flow().unassigned {
-        if read.certainty != Certainty::Perhaps && !read.accumulates && !is_of_an_extension(file, read) {
+        let elsewhere = is_of_an_extension(file, read) || is_taken_from_another(&file.shader, read);
+        if read.certainty != Certainty::Perhaps && !read.accumulates && !elsewhere {
             let found = diagnostic(file, read, findings);
             findings.push(found);
         }
@@ -38,6 +41,16 @@ fn is_of_an_extension(file: &ShaderFile, read: &Unassigned) -> bool {
     let global = matches!(symbol.kind, SymbolKind::Global(_));
     let line = symbol.span.filter(|_| global).map_or_else(String::new, |span| file.file.line_at(span.start));
     line.split(|c: char| !c.is_ascii_alphanumeric()).any(|word| word.ends_with("EXT") || word.ends_with("NV"))
+}
+
+/// True for a value that an operation of a subgroup takes from another invocation, which may be the one that wrote it.
+fn is_taken_from_another(shader: &Shader, read: &Unassigned) -> bool {
+    const TAKE: [&str; 4] =
+        ["subgroupBroadcastFirst", "subgroupBroadcast", "subgroupShuffle", "readFirstInvocationARB"];
+    shader.arena().iter().any(|(id, _)| {
+        let first = builtin(shader, id, &TAKE).and_then(|(_, args)| args.first());
+        first.is_some_and(|first| shader.expr(*first).span == read.span)
+    })
 }
 
 /// The diagnostic for a read without a value.
@@ -94,6 +107,19 @@ mod tests {
         };
         assert_eq!(messages("D001", "a.vert", &text("hitAttributeEXT")), [""; 0]);
         assert_eq!(messages("D001", "a.vert", &text("")).len(), 1);
+    }
+
+    #[test]
+    fn what_one_invocation_gives_to_all_has_a_value_there() {
+        let text = |taken: &str| {
+            format!(
+                "#version 450\n#extension GL_KHR_shader_subgroup_ballot : enable\nlayout(local_size_x = 64) in;\n\
+                 layout(binding = 0) buffer B {{ uint n; uint o[]; }};\nvoid main() {{ uint b; if (subgroupElect()) \
+                 b = atomicAdd(n, 1u); b = {taken}; o[gl_GlobalInvocationID.x] = b; }}\n"
+            )
+        };
+        assert_eq!(messages("D001", "a.comp", &text("subgroupBroadcastFirst(b)")), [""; 0]);
+        assert_eq!(messages("D001", "a.comp", &text("b + 1u")).len(), 1);
     }
 
     #[test]

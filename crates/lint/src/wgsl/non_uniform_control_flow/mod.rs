@@ -1,10 +1,10 @@
-//! W001: a barrier or a derivative in non-uniform control flow.
+//! W001: a barrier, a derivative or an operation of a subgroup in non-uniform control flow.
 
 use std::collections::BTreeSet;
 
 use crate::glsl::parted::with_condition;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
-use analysis::uniformity::{Parted, parted};
+use analysis::uniformity::{Parted, Together, parted};
 use base::diagnostic::{Code, Severity, message};
 use reading::ShaderFile;
 use syntax::wgsl::Module;
@@ -25,37 +25,55 @@ fn check(file: &ShaderFile, module: &Module, findings: &mut Findings<'_>) {
     if module.varies {
         return;
     }
-    let allowed = file.file.text().contains("derivative_uniformity");
+    let says = |words: &str| file.file.text().contains(words);
     let mut all = BTreeSet::new();
     for entry in &module.entry_points {
         all.extend(parted(shader, module, entry));
     }
     let mut told = BTreeSet::new();
-    for Parted { call, by, why: _, barrier } in all {
-        if (allowed && !barrier) || !told.insert(call) {
+    for Parted { call, by, why: _, what } in all {
+        let allowed = match what {
+            Together::Barrier => false,
+            Together::Derivative => says("derivative_uniformity"),
+            // A module that does not enable them is for a compiler with rules of its own.
+            Together::Subgroup => says("subgroup_uniformity") || !says("enable subgroups"),
+        };
+        if allowed || !told.insert(call) {
             continue;
         }
         let span = shader.expr(call).span;
         let text = file.file.slice(span);
-        let name = text.split('(').next().unwrap_or(text).trim_end();
-        let why = if barrier {
-            message!(
-                "a barrier waits for all invocations of the work group, and some do not come here",
-                "バリアはワークグループの全インベケーションを待ちますが、ここに来ないものがあります"
-            )
-        } else {
-            message!(
-                "a derivative is the difference to neighbouring pixels, which may be elsewhere",
-                "微分は隣のピクセルとの差ですが、隣は別の所にいるかもしれません"
-            )
-        };
-        let help = if barrier {
-            message!("move it out of the condition", "条件の外に移してください")
-        } else {
-            message!(
-                "call it before the condition, or state the level of detail (`textureSampleLevel`)",
-                "条件の前で呼び出すか、詳細度を指定してください（`textureSampleLevel`）"
-            )
+        let name = text.split(['(', '<']).next().unwrap_or(text).trim_end();
+        let (why, help) = match what {
+            Together::Barrier => (
+                message!(
+                    "a barrier waits for all invocations of the work group, and some do not come here",
+                    "バリアはワークグループの全インベケーションを待ちますが、ここに来ないものがあります"
+                ),
+                message!("move it out of the condition", "条件の外に移してください"),
+            ),
+            Together::Derivative => (
+                message!(
+                    "a derivative is the difference to neighbouring pixels, which may be elsewhere",
+                    "微分は隣のピクセルとの差ですが、隣は別の所にいるかもしれません"
+                ),
+                message!(
+                    "call it before the condition, or state the level of detail (`textureSampleLevel`)",
+                    "条件の前で呼び出すか、詳細度を指定してください（`textureSampleLevel`）"
+                ),
+            ),
+            Together::Subgroup => (
+                message!(
+                    "what it gives depends on which invocations come here, and browsers refuse the module",
+                    "結果は、どのインベケーションがここに来るかで変わります。ブラウザはこのモジュールを拒否します"
+                ),
+                message!(
+                    "call it before the condition, with a neutral value where the condition does not hold, or write \
+                     `diagnostic(off, subgroup_uniformity);`",
+                    "条件の前で呼び出し、条件の成り立たない所では中立の値を渡すか、\
+                     `diagnostic(off, subgroup_uniformity);` を書いてください"
+                ),
+            ),
         };
         let found = findings.at(
             &file.file,
@@ -129,5 +147,26 @@ mod tests {
         assert_eq!(compute("let n = chosen(i, d[i]) + vec2f(hash(i)).x; if n > 1.0 { workgroupBarrier(); }"), 0);
         assert_eq!(compute("var n = i; broadcast(&n); if n > 1u { workgroupBarrier(); }"), 0);
         assert_eq!(compute("let n = workgroupUniformLoad(&w); if n[0] > 1.0 { workgroupBarrier(); }"), 0);
+    }
+    #[test]
+    fn operations_of_subgroups_are_held_to_those_that_enable_them() {
+        let compute = |head: &str, body: &str| {
+            let text = format!(
+                "{head}\n@group(0) @binding(0) var<storage, read_write> d: array<u32>;\n@compute @workgroup_size(64)\n\
+                 fn main(@builtin(global_invocation_id) g: vec3u, @builtin(subgroup_size) n: u32) {{\n\
+                 var x = d[g.x];\n{body}\nd[g.x] = x;\n}}\n"
+            );
+            count("W001", &text)
+        };
+        let enabled = "enable subgroups;";
+        assert_eq!(compute(enabled, "if x > 3u { x = subgroupAdd(x); }"), 1);
+        assert_eq!(compute(enabled, "if g.x >= arrayLength(&d) { return; } x = subgroupShuffleXor(x, 1u);"), 1);
+        assert_eq!(compute(enabled, "if (g.x & 4u) == 0u { x = quadSwapX(x); }"), 1);
+        assert_eq!(compute(enabled, "if subgroupElect() { workgroupBarrier(); }"), 1);
+        assert_eq!(compute(enabled, "x = subgroupAdd(select(0u, x, x > 3u)); if x > 3u { x = 1u; }"), 0);
+        assert_eq!(compute(enabled, "if n > 16u { x = subgroupAdd(x); }"), 0);
+        assert_eq!(compute("", "if x > 3u { x = subgroupAdd(x); }"), 0);
+        let off = "enable subgroups;\ndiagnostic(off, subgroup_uniformity);";
+        assert_eq!(compute(off, "if x > 3u { x = subgroupAdd(x); }"), 0);
     }
 }
