@@ -283,8 +283,12 @@ pub(super) fn subjects(
     // What another preprocessor reads before a compiler does: the linter believes none of it either.
     let is_of_host = |error: &Diagnostic| errors::is_of_the_text(error.code) && error.code != errors::INCLUDE;
     let doubtful = reading::open::doubtful(&parsed.shader, &errors, errors::Around::empty());
+    // What the linter does not tell either, since something that nobody stated decides.
+    // Of a piece, what is wrong beside what it lacks comes first.
+    let is_piece = errors.iter().any(|error| error.code == errors::INCLUDE) || !parsed.shader.lacking().is_empty();
+    let unsure = doubtful.iter().all(|doubtful| *doubtful);
     let first = errors.iter().find(|error| is_of_host(error));
-    if let Some(first) = first.filter(|_| doubtful.iter().all(|doubtful| *doubtful)) {
+    if let Some(first) = first.filter(|_| unsure) {
         let first = first.clone().at_origin();
         let open = format!("its host has to make it a whole shader: {}", first.file.locate(first.span.start));
         return Ok((Vec::new(), vec![without(source, &open, &first)]));
@@ -297,6 +301,14 @@ pub(super) fn subjects(
             subjects = fuzz::subjects(&shader, &wanted).map_err(unstated)?;
             subjects.extend(broken.subjects().filter(|one| wanted(&one.name)));
             known.extend(subjects.iter().flat_map(|one| [one.label.clone(), one.name.clone()]));
+        }
+        if let Some(first) = errors.first().filter(|_| unsure && !is_piece) {
+            if subjects.is_empty() {
+                let first = first.clone().at_origin();
+                let open = format!("its version, extensions or host decide: {}", first.file.locate(first.span.start));
+                subjects.push(without(source, &open, &first));
+            }
+            return Ok((Vec::new(), subjects));
         }
         return Ok((told(&mut errors.into_iter()), subjects));
     }

@@ -281,3 +281,57 @@ fn a_module_that_an_engine_rewrites_is_no_error() {
     let ran = fuzz("a.wgsl", &text("uniforn"), "").expect(1);
     assert!(ran.out.contains("does not compile"), "{ran:?}");
 }
+
+/// Fuzzes the whole of a kernel with these lines at its head, and one statement.
+fn kernel(head: &str, statement: &str) -> Ran {
+    let text = format!(
+        "#version 450\n{head}\nlayout(local_size_x = 64) in;\nlayout(std430, binding = 0) buffer B {{ uint r[]; }};\n\
+         void main() {{ uint i = gl_GlobalInvocationID.x; if (i < uint(r.length())) {{ {statement} }} }}\n"
+    );
+    fuzz("kernel.comp", &text, "")
+}
+
+#[test]
+fn a_macro_that_the_text_asks_for_is_one_that_its_conditions_name() {
+    let ran = kernel("#ifndef PHASE\n#error state it\n#endif", "\n#if PHASE == 3\nr[i] = i;\n#endif\n").expect(0);
+    assert!(ran.err.contains("assumed --define PHASE=3"), "{ran:?}");
+    assert!(ran.out.contains("1 function run, 0 not run"), "{ran:?}");
+}
+
+#[test]
+fn what_only_prints_does_not_keep_a_kernel_from_running() {
+    let head = "#extension GL_EXT_debug_printf : require";
+    let ran = kernel(head, "r[i] = i; debugPrintfEXT(\"r %u\", r[i]);").expect(0);
+    assert!(ran.out.contains("1 function run, 0 not run") && !ran.err.contains("debugPrintfEXT"), "{ran:?}");
+}
+
+#[test]
+fn sizes_of_clusters_may_be_signed() {
+    let head = "#extension GL_KHR_shader_subgroup_clustered : require";
+    let ran = kernel(head, "r[i] = subgroupClusteredAdd(r[i], 16);");
+    assert!(ran.out.contains("1 function run, 0 not run"), "{ran:?}");
+}
+
+#[test]
+fn what_the_linter_leaves_to_the_host_is_no_error_here_either() {
+    let text = "#extension GL_KHR_memory_scope_semantics : require\nvoid f(float x) { memoryBarrier(1, 64, 4); }\n";
+    let ran =
+        fuzz("scoped.glsl", &format!("#version 460\n{text}float g(float x) {{ return x + 1.0; }}\n"), "").expect(0);
+    assert!(ran.out.contains("f ") && ran.out.contains("not run: it does not compile"), "{ran:?}");
+    assert!(ran.out.contains("1 function run, 1 not run") && !ran.out.contains("error["), "{ran:?}");
+}
+
+#[test]
+fn arrays_of_a_fixed_length_hold_data() {
+    let text = |length: &str| {
+        format!(
+            "#version 460\nlayout(local_size_x = 64) in;\nlayout(std430, binding = 0) readonly buffer A {{ uint set[{length}]; }};\n\
+             layout(std430, binding = 1) buffer D {{ uint data[64]; }};\nvoid main() {{ uint i = gl_LocalInvocationIndex;\n\
+             uint left = set[i]; while (left > 0u) {{ data[i] = 1u; left &= left - 1u; }} }}\n"
+        )
+    };
+    for length in ["64", ""] {
+        let ran = fuzz("set.comp", &text(length), "").expect(0);
+        assert!(ran.out.contains("1 function run") && !ran.out.contains("nothing is stored"), "{length}: {ran:?}");
+    }
+}

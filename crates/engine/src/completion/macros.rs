@@ -7,7 +7,7 @@
 //! not be invented.
 
 use program::{WIDE_BYTES, WORKGROUP_SIZE};
-use syntax::{Lacks, Parsed};
+use syntax::{Lacks, Parsed, TokenKind, TokenPlace};
 
 use super::{Completed, errors};
 
@@ -143,6 +143,7 @@ pub(super) fn names(parse: &Parse<'_>, offers: &mut Offers<'_>) -> Option<Comple
                 none if none.is_empty() && numbers_places(&parsed, &name) => {
                     vec![Meaning::Assumed(choices.len().to_string())]
                 }
+                none if none.is_empty() && !compared(&parsed, &name).is_empty() => compared(&parsed, &name),
                 none if none.is_empty() && may_be_given(&parsed, &name, what) => plain_options(&name, what),
                 taken => taken,
             };
@@ -262,6 +263,20 @@ fn numbers_places(parsed: &Parsed, name: &str) -> bool {
         let [key, is, value] = [0, 1, 2].map(|k| file.slice(tokens[k].span));
         value == name && is == "=" && ["location", "binding", "set", "input_attachment_index"].contains(&key)
     })
+}
+
+/// The numbers that a macro of a condition is compared with: `#if PHASE == 2`.
+fn compared(parsed: &Parsed, name: &str) -> Vec<Meaning> {
+    let (shader, file) = (&parsed.shader, parsed.shader.file());
+    let mut numbers: Vec<&str> = Vec::new();
+    for tokens in shader.tokens().windows(3).filter(|tokens| tokens[0].place == TokenPlace::Directive) {
+        let [of, is, number] = [0, 1, 2].map(|k| file.slice(tokens[k].span));
+        let fits = of == name && matches!(is, "==" | "!=") && tokens[2].kind == TokenKind::Number;
+        if fits && !numbers.contains(&number) && numbers.len() < MOST_OPTIONS {
+            numbers.push(number);
+        }
+    }
+    numbers.into_iter().map(|number| Meaning::Assumed(number.to_owned())).collect()
 }
 
 /// What a name may stand for that no host code says anything of, the plainest first.

@@ -109,3 +109,23 @@ fn declarations_lead_to_their_uses_and_move_no_line() {
         ["a name that nothing declares is taken for inputs of any value: `scale` as `float`"]
     );
 }
+
+#[test]
+fn what_an_error_of_the_text_asks_for_is_a_number_that_conditions_name() {
+    let assumed = |guard: &str| {
+        let text = format!(
+            "#version 330\n{guard}\n#error \"state the phase\"\n#endif\nout vec4 c;\nvoid main() {{\n\
+             #if PHASE == 2\nc = vec4(1.0);\n#elif PHASE == 3\nc = vec4(0.5);\n#endif\n}}\n"
+        );
+        let file = SourceFile::new("a.frag", text);
+        completed(&|with| parsed(&file, with), &mut |_| Vec::new(), &mut |_| Vec::new()).map(|found| found.assumed)
+    };
+    let two = Some(vec![("PHASE".to_owned(), "2".to_owned())]);
+    for guard in ["#ifndef PHASE", "#if !defined(PHASE)", "#if !defined PHASE"] {
+        assert_eq!(assumed(guard), two, "{guard}");
+    }
+    // Nothing that is defined takes these away.
+    for guard in ["#ifdef __LINE__", "#if 1", "#ifndef PHASE\n#else"] {
+        assert_ne!(assumed(guard), two, "{guard}");
+    }
+}

@@ -64,6 +64,8 @@ pub(super) enum Contents {
     Equal,
     /// 0 everywhere, as hosts clear buffers: sums over nothing.
     Zero,
+    /// Random ones between −128 and 128: e^x of some is too large for binary32.
+    Large,
 }
 
 impl Contents {
@@ -73,6 +75,7 @@ impl Contents {
             super::run::EQUAL => Self::Equal,
             super::run::ZERO => Self::Zero,
             super::run::EMPTY => Self::Unit,
+            super::run::LARGE => Self::Large,
             n if n.is_multiple_of(2) => Self::Signed,
             _ => Self::Unit,
         }
@@ -85,6 +88,7 @@ impl Contents {
             Self::Unit => "buffers hold random numbers between 0 and 1",
             Self::Equal => "buffers hold 0.5 everywhere",
             Self::Zero => "buffers hold 0 everywhere",
+            Self::Large => "buffers hold random numbers between -128 and 128, and binary64 gives a number",
         }
     }
 }
@@ -363,7 +367,9 @@ impl Dispatched {
                     if shape.space == Space::Uniform && !self.uses.reads(k as u32, leaf.offset) {
                         continue;
                     }
-                    let chosen = host.fixed(shape, (leaf, self.uses.packed(k as u32, leaf.offset)), &mut stream);
+                    let packed = self.uses.packed(k as u32, leaf.offset);
+                    let counted = self.uses.atomics.contains(&(k as u32));
+                    let chosen = host.fixed((shape, counted), (leaf, packed), &mut stream);
                     words[leaf.offset as usize] = chosen;
                     if shape.space == Space::Uniform && leaf.scalar != Scalar::F32 {
                         let place = (k as u32, leaf.offset);
@@ -472,13 +478,26 @@ struct Host {
 }
 
 impl Host {
-    /// A number that stands by itself in a buffer.
-    fn fixed(&self, shape: &MemoryShape, (leaf, packed): (&Leaf, &[Bits]), stream: &mut Stream) -> u32 {
+    /// A number of a buffer that is no element of an array without a length. Atomic functions count from 0.
+    fn fixed(
+        &self,
+        (shape, counted): (&MemoryShape, bool),
+        (leaf, packed): (&Leaf, &[Bits]),
+        stream: &mut Stream,
+    ) -> u32 {
         let name = if leaf.name.is_empty() { &shape.name } else { &*leaf.name };
         match leaf.scalar {
             Scalar::F32 => self.element(name, Scalar::F32, shape.space, stream),
             Scalar::Bool => (self.variant % 2) as u32,
             Scalar::I32 | Scalar::U32 => {
+                // An array is data, as one without a fixed length is; a number alone is a setting.
+                if !leaf.lens.is_empty() && matches!(shape.space, Space::Storage { .. }) {
+                    return match packed {
+                        _ if counted => 0,
+                        [] => self.element(name, leaf.scalar, shape.space, stream),
+                        packed => self.numbers(packed, stream),
+                    };
+                }
                 // What is written is counted up from 0.
                 if matches!(shape.space, Space::Storage { writes: true }) {
                     return 0;
@@ -530,7 +549,8 @@ impl Host {
                     Contents::Signed => 2.0 * unit - 1.0,
                     Contents::Equal if space != Space::Uniform => 0.5,
                     Contents::Zero if space != Space::Uniform => 0.0,
-                    Contents::Unit | Contents::Equal | Contents::Zero => unit,
+                    Contents::Large if space != Space::Uniform => 256.0 * unit - 128.0,
+                    Contents::Unit | Contents::Equal | Contents::Zero | Contents::Large => unit,
                 };
                 (value as f32).to_bits()
             }

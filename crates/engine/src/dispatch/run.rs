@@ -24,6 +24,9 @@ pub(super) const EMPTY: u64 = 4;
 /// Bits that loads outside of their arrays give the second time; as a number, 1.2e17.
 const OTHER: u32 = 0x5bd1_e995;
 
+/// The choices of a host that puts numbers into buffers of which functions may be too large for binary32.
+pub(super) const LARGE: u64 = 5;
+
 /// Something that went wrong, with the first scenario that shows it.
 pub(super) struct Met {
     pub incident: Incident,
@@ -180,6 +183,12 @@ fn without_value(subject: &Dispatched, lengths: &[Length], met: &mut Vec<Met>, r
     let last = subject.sizes().pop();
     if let Some(items) = last.filter(|_| !found && memories.any(|shape| shape.space == Space::Workgroup)) {
         found = look(&subject.scenario(items, Some(lengths), ZERO), &collected);
+    }
+    if let Some(items) = last.filter(|_| !found) {
+        let large = subject.scenario(items, Some(lengths), LARGE);
+        // Where binary64 has no number either, a host may know that it never comes to that.
+        let of_binary32 = !subject.play_in::<f64>(&large, 0).incidents.iter().any(is_nan);
+        found = of_binary32 && look(&large, &is_nan);
     }
     if let Some(items) = last.filter(|_| !found) {
         let whole = subject.scenario(items, Some(lengths), EMPTY);

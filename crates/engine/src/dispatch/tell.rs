@@ -103,13 +103,12 @@ impl Dispatched {
             // Devices of today see `coherent` memory behind any barrier, and whoever writes the word means that.
             Wrong::Unordered if self.program.file.text().contains("coherent") => Severity::Note,
             Wrong::Unordered if certain || whatever => Severity::Finding,
-            Wrong::Unordered if !fixed => Severity::Note,
             Wrong::LostUpdate => Severity::Finding,
             Wrong::Relaxed => Severity::Warning,
             // With random numbers, it is more often a whole number of the host that is guessed wrong.
             Wrong::NotANumber if self.has_matrices() => Severity::Note,
             Wrong::NotANumber if met.scenario.empty.is_some() => Severity::Warning,
-            Wrong::NotANumber if !matches!(met.scenario.contents, Contents::Equal | Contents::Zero) => Severity::Note,
+            Wrong::NotANumber if matches!(met.scenario.contents, Contents::Signed | Contents::Unit) => Severity::Note,
             Wrong::Unordered | Wrong::NotANumber => Severity::Warning,
             _ if certain => Severity::Finding,
             // Where all invocations take one branch, nobody is missing.

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 
 use base::diagnostic::{Code, Message, Severity, message};
 use base::text::Span;
-use syntax::ast::{BinaryOp, Expr, ExprId, ExprKind};
+use syntax::ast::{BinaryOp, ExprId, ExprKind};
 use syntax::interface::Storage;
 use syntax::precision::{Precisions, is_lower};
 use syntax::symbols::{CallTarget, SymbolId, SymbolKind};
@@ -347,28 +347,23 @@ fn depth(shader: &Shader, precisions: &Precisions, id: ExprId, sampler: ExprId) 
     })
 }
 
-/// True for a texel of which several components make up one number: it has more digits than a component.
+/// True for a texel of which several components make up one number, which has more digits than each of them: it goes into a
+/// scalar product or a function that unpacks it.
 fn is_packed(shader: &Shader, initial: &Initial, texel: ExprId) -> bool {
-    let fields = |is_base: &dyn Fn(ExprId) -> bool| -> Vec<&str> {
-        let all = shader.arena().iter().filter_map(|(_, expr)| match &expr.kind {
-            ExprKind::Field { base, field } if is_base(bare(shader, *base)) => Some(field.name.as_str()),
-            _ => None,
-        });
-        all.collect()
-    };
-    let own = fields(&|base| base == texel);
     let of = initial.0.iter().find(|(_, value)| bare(shader, *value) == texel).map(|(symbol, _)| *symbol);
-    let parts = match (own.is_empty(), of) {
-        (true, Some(symbol)) => fields(&|base| shader.symbol_of(base) == Some(symbol)),
-        _ => own,
+    let is_texel = |id: ExprId| id == texel || (of.is_some() && shader.symbol_of(id) == of);
+    let several = |id: ExprId| match &shader.expr(bare(shader, id)).kind {
+        ExprKind::Field { base, field } => field.name.len() > 1 && is_texel(bare(shader, *base)),
+        _ => is_texel(bare(shader, id)),
     };
-    // What takes the whole texel unpacks it.
-    let taken = |id: ExprId, expr: &Expr| {
-        let takes = matches!(&expr.kind, ExprKind::Call { args, .. } if args.contains(&texel));
-        takes && matches!(shader.callee(id), Some(CallTarget::User(_)))
-    };
-    parts.iter().any(|part| part.len() > 1 || *part != parts[0])
-        || (parts.is_empty() && shader.arena().iter().any(|(id, expr)| taken(id, expr)))
+    shader.arena().iter().any(|(id, expr)| match &expr.kind {
+        ExprKind::Call { args, .. } => {
+            let joins =
+                matches!(shader.callee(id), Some(CallTarget::User(_))) || builtin(shader, id, &["dot"]).is_some();
+            joins && args.iter().any(|arg| several(*arg))
+        }
+        _ => false,
+    })
 }
 
 /// The declaration of the sampler says in a comment that it is a depth.
@@ -409,6 +404,7 @@ mod tests {
         let packed =
             "highp vec4 s = texture2D(sceneDepth, uv); gl_FragColor = vec4(dot(s.ba, vec2(1.0, 1.0 / 255.0)));";
         assert_eq!(fragment(mediump, packed), 0, "two components are one number");
+        assert_eq!(fragment(mediump, "highp vec2 m = texture2D(sceneDepth, uv).xy; gl_FragColor = vec4(m, m);"), 1);
         assert_eq!(fragment(mediump, "vec2 p = gl_FragCoord.xy; gl_FragColor = vec4(mod(p.x, 2.0));"), 1);
         assert_eq!(
             fragment(mediump, "gl_FragColor = vec4(floor(OutputSize.x / 200.0));"),
