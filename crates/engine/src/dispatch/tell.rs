@@ -103,6 +103,11 @@ impl Dispatched {
             // Devices of today see `coherent` memory behind any barrier, and whoever writes the word means that.
             Wrong::Unordered if self.program.file.text().contains("coherent") => Severity::Note,
             Wrong::Unordered if certain || whatever => Severity::Finding,
+            // Whoever read before the barrier has its value, on every device; the language promises it for what the barrier
+            // orders.
+            Wrong::Unordered if !fixed && incident.other.is_some_and(|other| other.access == Access::Read) => {
+                Severity::Note
+            }
             Wrong::LostUpdate => Severity::Finding,
             Wrong::Relaxed => Severity::Warning,
             // With random numbers, it is more often a whole number of the host that is guessed wrong.
