@@ -284,9 +284,10 @@ pub(super) fn subjects(
     let is_of_host = |error: &Diagnostic| errors::is_of_the_text(error.code) && error.code != errors::INCLUDE;
     let doubtful = reading::open::doubtful(&parsed.shader, &errors, errors::Around::empty());
     // What the linter does not tell either, since something that nobody stated decides.
-    // Of a piece, what is wrong beside what it lacks comes first.
-    let is_piece = errors.iter().any(|error| error.code == errors::INCLUDE) || !parsed.shader.lacking().is_empty();
     let unsure = doubtful.iter().all(|doubtful| *doubtful);
+    // Of a piece, what is wrong beside what it lacks comes first; a text in another language is told where it is named.
+    let first_told = |error: &Diagnostic| [errors::INCLUDE, errors::OTHER_LANGUAGE].contains(&error.code);
+    let is_told = errors.iter().any(first_told) || !parsed.shader.lacking().is_empty();
     let first = errors.iter().find(|error| is_of_host(error));
     if let Some(first) = first.filter(|_| unsure) {
         let first = first.clone().at_origin();
@@ -302,7 +303,7 @@ pub(super) fn subjects(
             subjects.extend(broken.subjects().filter(|one| wanted(&one.name)));
             known.extend(subjects.iter().flat_map(|one| [one.label.clone(), one.name.clone()]));
         }
-        if let Some(first) = errors.first().filter(|_| unsure && !is_piece) {
+        if let Some(first) = errors.first().filter(|_| unsure && !is_told) {
             if subjects.is_empty() {
                 let first = first.clone().at_origin();
                 let open = format!("its version, extensions or host decide: {}", first.file.locate(first.span.start));
