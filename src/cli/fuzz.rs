@@ -243,9 +243,7 @@ pub(super) fn subjects(
                 }
                 let mut subjects = Vec::new();
                 if let Some(first) = errors.first().filter(|_| reading::open::is_rewritten(source.file.text())) {
-                    let first = first.clone().at_origin();
-                    let open = format!("its engine rewrites declarations: {}", first.file.locate(first.span.start));
-                    return Ok((Vec::new(), vec![without(source, &open, &first)]));
+                    return Ok((Vec::new(), vec![without_at(source, "its engine rewrites declarations", first)]));
                 }
                 if let Some(open) = source.open() {
                     let (slips, others): (Vec<_>, Vec<_>) = errors.into_iter().partition(|error| source.is_slip(error));
@@ -290,9 +288,7 @@ pub(super) fn subjects(
     let is_told = errors.iter().any(first_told) || !parsed.shader.lacking().is_empty();
     let first = errors.iter().find(|error| is_of_host(error));
     if let Some(first) = first.filter(|_| unsure) {
-        let first = first.clone().at_origin();
-        let open = format!("its host has to make it a whole shader: {}", first.file.locate(first.span.start));
-        return Ok((Vec::new(), vec![without(source, &open, &first)]));
+        return Ok((Vec::new(), vec![without_at(source, "its host has to make it a whole shader", first)]));
     }
     if !errors.is_empty() {
         // Where some functions do not compile, the others run.
@@ -305,9 +301,7 @@ pub(super) fn subjects(
         }
         if let Some(first) = errors.first().filter(|_| unsure && !is_told) {
             if subjects.is_empty() {
-                let first = first.clone().at_origin();
-                let open = format!("its version, extensions or host decide: {}", first.file.locate(first.span.start));
-                subjects.push(without(source, &open, &first));
+                subjects.push(without_at(source, "its version, extensions or host decide", first));
             }
             return Ok((Vec::new(), subjects));
         }
@@ -322,6 +316,12 @@ pub(super) fn subjects(
     }
     known.extend(subjects.iter().map(|s| s.label.clone()));
     Ok((errors, subjects))
+}
+
+/// [`without`] for one reason, with the place of the first error.
+fn without_at(source: &IncludedText, why: &str, first: &Diagnostic) -> Subject {
+    let first = first.clone().at_origin();
+    without(source, &format!("{why}: {}", first.file.locate(first.span.start)), &first)
 }
 
 /// A text that does not compile without what its host fills in.

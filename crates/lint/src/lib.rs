@@ -150,7 +150,7 @@ fn run_rules_until(
     }
     composed::to_origin(&project, &mut all);
     composed::to_templates(&project, &mut all);
-    composed::add_refused(&project, &mut all);
+    composed::add_refused(&project, &mut all, &registry::LET_THROUGH);
     // What the host puts around a text is not the author's.
     let around: HashMap<&str, &ShaderFile> =
         project.shaders().filter(|s| s.has_prelude()).map(|s| (s.file.name(), s)).collect();

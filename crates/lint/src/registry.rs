@@ -2,6 +2,11 @@
 
 use super::rule::Rule;
 use super::{glsl, host, program, suppress, wgsl};
+use base::diagnostic::Code;
+
+/// Rules on faults that other readers of WGSL let through: what these say of a text is told beside them.
+pub const LET_THROUGH: [Code; 2] =
+    [wgsl::non_uniform_control_flow::RULE.code, glsl::integer_varying_not_flat::RULE.code];
 
 /// All rules, sorted by code.
 pub const RULES: &[&Rule] = &[

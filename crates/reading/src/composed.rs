@@ -10,7 +10,7 @@ use std::collections::{HashMap, HashSet};
 use std::fmt;
 use std::sync::Arc;
 
-use base::diagnostic::{Diagnostic, Fix, Severity};
+use base::diagnostic::{Code, Diagnostic, Fix, Severity};
 use base::text::{Edit, SourceFile};
 
 use super::project::Project;
@@ -50,18 +50,15 @@ impl fmt::Debug for Composer {
     }
 }
 
-/// Rules on faults that other readers let through: control flow that is not uniform, integers that are not `flat`.
-const NOT_SOUGHT: [&str; 2] = ["W001", "I005"];
-
-/// What readers of the language say of texts that can be read: of others they tell the same once more. What a rule tells of a
-/// line is not said again.
-pub fn add_refused(project: &Project, all: &mut Vec<(Level, Diagnostic)>) {
+/// What readers of the language say of texts in which nothing else is wrong: they tell the same once more. Errors of
+/// `not_sought` are those that they let through. What is told of a line is not said again.
+pub fn add_refused(project: &Project, all: &mut Vec<(Level, Diagnostic)>, not_sought: &[Code]) {
     let mut more: Vec<(Level, Diagnostic)> =
         project.shaders().filter(|s| s.reported).flat_map(|s| s.refused.iter().cloned()).collect();
     to_origin(project, &mut more);
     let line = |d: &Diagnostic| d.file.location(d.span.start).position.map(|position| position.line);
     let errors = || all.iter().map(|(_, d)| d).filter(|d| d.severity == Severity::Error);
-    let of_reading = |d: &&Diagnostic| !NOT_SOUGHT.contains(&d.code.0);
+    let of_reading = |d: &&Diagnostic| !not_sought.contains(&d.code);
     let unread: HashSet<&str> = errors().filter(of_reading).map(|d| d.file.name()).collect();
     let told: HashSet<(&str, Option<usize>)> = errors().map(|d| (d.file.name(), line(d))).collect();
     more.retain(|(_, d)| !unread.contains(d.file.name()) && !told.contains(&(d.file.name(), line(d))));

@@ -183,10 +183,9 @@ fn race(before: &Access, after: &Access, terms: &Terms) -> Option<Race> {
                         let (known, unknown) = if later_reads { (a, b) } else { (b, a) };
                         let origin = terms.origin_of(unknown);
                         // Invocations that begin more than one element apart have a part of the array each.
-                        let lanes = 0..before.lanes.len();
                         let apart = |lane: usize| lane == 0 || known.lane(lane).abs_diff(known.lane(lane - 1)) > 1;
                         let between = |lane: usize| unknown.lane(lane).wrapping_sub(known.lane(lane));
-                        let parts = lanes.clone().all(|lane| between(lane) == between(0) && apart(lane));
+                        let parts = (0..before.lanes.len()).all(|lane| between(lane) == between(0) && apart(lane));
                         open = known.is_known() && known.single().is_none() && origin.data && !origin.uniform && !parts;
                         if !open {
                             return None;

@@ -103,11 +103,10 @@ impl<'s> Machine<'s> {
                 _ => None,
             })
             .collect();
-        let mut roots: Vec<(FunctionId, bool)> =
-            shader.functions().map(|(id, function)| (id, function.name.name == "main")).collect();
+        let mut roots: Vec<FunctionId> = shader.functions().map(|(id, _)| id).collect();
         // What others call is met with the values that they give it.
-        roots.sort_by_key(|(id, is_main)| (!is_main, called.contains(id)));
-        for (root, _) in roots {
+        roots.sort_by_key(|id| (shader.function_info(*id).name.name != "main", called.contains(id)));
+        for root in roots {
             if self.reached.contains(&root) {
                 continue;
             }

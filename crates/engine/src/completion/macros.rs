@@ -139,14 +139,16 @@ pub(super) fn names(parse: &Parse<'_>, offers: &mut Offers<'_>) -> Option<Comple
             if choices.iter().any(|choice| choice.name == name) {
                 continue;
             }
-            let options = match taken(&name, &offered) {
-                none if none.is_empty() && numbers_places(&parsed, &name) => {
-                    vec![Meaning::Assumed(choices.len().to_string())]
-                }
-                none if none.is_empty() && !compared(&parsed, &name).is_empty() => compared(&parsed, &name),
-                none if none.is_empty() && may_be_given(&parsed, &name, what) => plain_options(&name, what),
-                taken => taken,
-            };
+            let mut options = taken(&name, &offered);
+            if options.is_empty() && numbers_places(&parsed, &name) {
+                options.push(Meaning::Assumed(choices.len().to_string()));
+            }
+            if options.is_empty() {
+                options = compared(&parsed, &name);
+            }
+            if options.is_empty() && may_be_given(&parsed, &name, what) {
+                options = plain_options(&name, what);
+            }
             let of_kind = options.first().map(|option| matches!(option, Meaning::Taken(_)));
             match of_kind {
                 None => unknown.push(name),

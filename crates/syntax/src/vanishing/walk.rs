@@ -143,10 +143,8 @@ impl Walk<'_> {
         self.goes_to = outer;
         self.any(symbol);
         self.values.insert((symbol, String::new()), polynomial);
-        let of = self.shader.symbol_of(self.bare(value));
-        if let Some(of) = of {
-            let first = self.copies.get(&of).copied().unwrap_or(of);
-            self.copies.insert(symbol, first);
+        if let Some(of) = self.original(value) {
+            self.copies.insert(symbol, of);
         }
         for (k, part) in parts.into_iter().enumerate() {
             self.values.insert((symbol, COMPONENTS[k].to_owned()), part);
@@ -387,7 +385,8 @@ impl Walk<'_> {
                 let sum = a.plus(b, if op == BinaryOp::Add { 1.0 } else { -1.0 });
                 let [left, right] = of.map(|side| self.shader.text_of(self.bare(side)));
                 // A number less itself is 0 however it was rounded.
-                let same = op == BinaryOp::Sub && self.are_copies(of);
+                let [first, second] = of.map(|side| self.original(side));
+                let same = op == BinaryOp::Sub && first.is_some() && first == second;
                 self.look(id, &sum, &values, left != right && !same);
                 Some(sum)
             }
@@ -401,13 +400,10 @@ impl Walk<'_> {
         known.map_or_else(|| self.named(format!("{op:?}{a:?}{b:?}"), scalar), Polynomial::rounded)
     }
 
-    /// True for two variables with the same bits.
-    fn are_copies(&self, of: [ExprId; 2]) -> bool {
-        let [a, b] = of.map(|side| {
-            let symbol = self.shader.symbol_of(self.bare(side))?;
-            Some(self.copies.get(&symbol).copied().unwrap_or(symbol))
-        });
-        a.is_some() && a == b
+    /// The variable whose bits a variable holds: it itself, or the one that it is a copy of.
+    fn original(&self, id: ExprId) -> Option<SymbolId> {
+        let symbol = self.shader.symbol_of(self.bare(id))?;
+        Some(self.copies.get(&symbol).copied().unwrap_or(symbol))
     }
 
     /// Notes a sum of two terms that vanishes though they do not.

@@ -40,6 +40,8 @@ pub(super) struct Parsed {
 pub(super) struct Parser<'a> {
     pub(super) text: &'a str,
     tokens: Vec<Token>,
+    /// Where template lists open.
+    templates: HashSet<usize>,
     at: usize,
     pub(super) out: Parsed,
     pub(super) sink: &'a mut Sink,
@@ -57,6 +59,7 @@ impl<'a> Parser<'a> {
         Self {
             text,
             tokens: tokens.to_vec(),
+            templates: template_lists(text, tokens),
             at: 0,
             out: Parsed::default(),
             sink,
@@ -494,40 +497,9 @@ impl<'a> Parser<'a> {
         Ok(TypeArg { ty: None, expr: Some(expr) })
     }
 
-    /// Whether the `<` that comes next opens a template list and compares nothing: whether a `>` closes it before a token that
-    /// no template list has (WGSL, 3.9 "Template Lists").
+    /// Whether the `<` that comes next opens a template list and compares nothing.
     pub(super) fn opens_template(&self) -> bool {
-        if self.peek() != "<" {
-            return false;
-        }
-        // How many brackets are open around each `<` that may open a list; the first is the one that is asked for.
-        let mut open = vec![0_u32];
-        let mut depth = 0_u32;
-        for at in 1.. {
-            match self.ahead(at) {
-                "" | ";" | "{" | ":" | "=" => return false,
-                "&&" | "||" | ")" | "]" if depth == 0 => return false,
-                "&&" | "||" => open.retain(|of| *of < depth),
-                "(" | "[" => depth += 1,
-                ")" | "]" => {
-                    open.retain(|of| *of < depth);
-                    depth -= 1;
-                }
-                "<" if self.tokens[self.at + at - 1].kind == TokenKind::Word => open.push(depth),
-                token @ (">" | ">>" | ">=" | ">>=") => {
-                    for _ in token.matches('>') {
-                        if open.last() == Some(&depth) {
-                            open.pop();
-                        }
-                    }
-                    if open.is_empty() {
-                        return true;
-                    }
-                }
-                _ => {}
-            }
-        }
-        false
+        self.peek() == "<" && self.templates.contains(&self.span().start)
     }
 
     /// Reads a `>`, be it the first character of a longer token.
@@ -549,4 +521,42 @@ impl<'a> Parser<'a> {
             _ => Err(self.expected("`>`")),
         }
     }
+}
+
+/// Where template lists open: each `<` behind a word that a `>` closes before a token which no template list has (WGSL, 3.9
+/// "Template Lists").
+fn template_lists(text: &str, tokens: &[Token]) -> HashSet<usize> {
+    let mut found = HashSet::new();
+    // Each `<` that may open a list, and how many brackets are open around it.
+    let mut open: Vec<(usize, u32)> = Vec::new();
+    let mut depth = 0_u32;
+    let mut behind_word = false;
+    for token in tokens {
+        match &text[token.span.range()] {
+            ";" | "{" | ":" | "=" => {
+                open.clear();
+                depth = 0;
+            }
+            "&&" | "||" => pop_inner(&mut open, depth),
+            "(" | "[" => depth += 1,
+            ")" | "]" => {
+                pop_inner(&mut open, depth);
+                depth = depth.saturating_sub(1);
+            }
+            "<" if behind_word => open.push((token.span.start, depth)),
+            marks @ (">" | ">>" | ">=" | ">>=") => {
+                for _ in marks.matches('>') {
+                    found.extend(open.pop_if(|(_, around)| *around == depth).map(|(at, _)| at));
+                }
+            }
+            _ => {}
+        }
+        behind_word = token.kind == TokenKind::Word;
+    }
+    found
+}
+
+/// Leaves those out that lie as deep or deeper.
+fn pop_inner(open: &mut Vec<(usize, u32)>, depth: u32) {
+    while open.pop_if(|(_, around)| *around >= depth).is_some() {}
 }
