@@ -49,7 +49,10 @@ impl Program {
     }
 
     fn fed_from_memory(mut self) -> Result<Self, ProgramError> {
-        let Entry::Point(entry) = self.entry else { return Ok(self) };
+        // A function alone may do without the memory of its stage.
+        if let Entry::Function(function) = self.entry {
+            self.memory.retain(|memory| !self.info[function][memory.global].is_empty());
+        }
         let alone = self.memory.iter().all(|m| !m.partial) && !self.memory.is_empty();
         let single = |b: &naga::BuiltIn| !matches!(b, naga::BuiltIn::NumWorkGroups | naga::BuiltIn::SubgroupSize);
         if !alone || !self.built_ins.iter().all(|(_, b)| single(b)) || needs_others(&self.module) {
@@ -79,7 +82,11 @@ impl Program {
                 self.instrumented |= after.is_some();
             }
             if let Some(after) = after {
-                copy_at_end(&mut module.entry_points[entry].function, memory.global, after);
+                let function = match self.entry {
+                    Entry::Point(entry) => &mut module.entry_points[entry].function,
+                    Entry::Function(function) => &mut module.functions[function],
+                };
+                copy_at_end(function, memory.global, after);
             }
         }
         for (_, function) in module.functions.iter_mut() {

@@ -113,7 +113,8 @@ impl Build<'_> {
             TexelBuffer { variable, cell: BufferCell::Plain(1), sized: false, atomic: true }
         } else {
             let format = opaque.image.format.as_deref().filter(|_| ty.kind == OpaqueKind::Image);
-            if ty.kind == OpaqueKind::Image && format.is_none() && opaque.image.reads {
+            let open = format.is_none() && opaque.image.reads && !super::image::loads_any_format(self.shader);
+            if ty.kind == OpaqueKind::Image && open {
                 let message = format!("`{ty}` without a format");
                 return Err(self.unsupported(span, message, "write `layout(r32ui)` or another format"));
             }

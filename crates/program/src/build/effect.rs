@@ -11,6 +11,9 @@ use syntax::Stage;
 use syntax::ast::ExprId;
 use syntax::types::{ScalarType, Type};
 
+/// `gl_ScopeSubgroup`.
+const SCOPE_SUBGROUP: u32 = 3;
+
 impl Fun<'_, '_> {
     /// A function with an effect: `None` when it is no such function, else its value.
     pub(super) fn effect(&mut self, function: F, args: &[ExprId], span: Span) -> Result<Option<Option<Val>>> {
@@ -25,7 +28,13 @@ impl Fun<'_, '_> {
             F::MemoryBarrierShared => Statement::MemoryBarrier(Barrier::WORK_GROUP),
             F::MemoryBarrierBuffer => Statement::MemoryBarrier(Barrier::STORAGE),
             F::MemoryBarrierImage => Statement::MemoryBarrier(Barrier::TEXTURE),
+            F::MemoryBarrier if !args.is_empty() => Statement::MemoryBarrier(self.kinds_of_memory(args[1])),
             F::MemoryBarrier | F::GroupMemoryBarrier => Statement::MemoryBarrier(Barrier::all()),
+            F::ControlBarrier => {
+                let memory = self.kinds_of_memory(args[2]);
+                let of_subgroup = self.build.known_number(args[0]) == Some(SCOPE_SUBGROUP);
+                Statement::ControlBarrier(if of_subgroup { Barrier::SUB_GROUP } else { memory })
+            }
             F::Modf | F::Frexp | F::UaddCarry | F::UsubBorrow | F::UmulExtended | F::ImulExtended => {
                 return self.several_values(function, args).map(Some);
             }
@@ -34,7 +43,7 @@ impl Fun<'_, '_> {
                 return Err(self.build.unsupported(span, message, "read the input itself"));
             }
             _ if function.name().starts_with("atomic") => {
-                return self.atomic(function, args, span).map(|v| Some(Some(v)));
+                return self.atomic(function, args, span).map(Some);
             }
             _ => return Ok(None),
         };
@@ -46,11 +55,24 @@ impl Fun<'_, '_> {
         Ok(Some(None))
     }
 
-    fn atomic(&mut self, function: F, args: &[ExprId], span: Span) -> Result<Val> {
+    /// Kinds of memory by the constants of GL_KHR_memory_scope_semantics; all of them where the number is not known.
+    fn kinds_of_memory(&self, storage: ExprId) -> Barrier {
+        let Some(bits) = self.build.known_number(storage) else { return Barrier::all() };
+        let kinds = [(0x40, Barrier::STORAGE), (0x100, Barrier::WORK_GROUP), (0x800, Barrier::TEXTURE)];
+        kinds.into_iter().filter(|(bit, _)| bits & bit != 0).fold(Barrier::empty(), |all, (_, kind)| all | kind)
+    }
+
+    fn atomic(&mut self, function: F, args: &[ExprId], span: Span) -> Result<Option<Val>> {
         let place = self.target(args[0])?;
         let ty = place.ty.clone();
+        // Behind the values may stand a scope, a kind of memory and its order.
+        let count = match function {
+            F::AtomicLoad => 0,
+            F::AtomicCompSwap | F::AtomicCounterCompSwap => 2,
+            _ => 1,
+        };
         let mut values = Vec::new();
-        for &arg in &args[1..] {
+        for &arg in args[1..].iter().take(count) {
             values.push(self.initial(arg, &ty)?.e);
         }
         if !self.build.is_atomic(place.host) {
@@ -61,7 +83,17 @@ impl Fun<'_, '_> {
                 "use an `int` or `uint` of a block or a shared variable",
             ));
         }
-        self.atomic_at(function, place.ptr, &ty, &values, span)
+        match (function, values.as_slice()) {
+            (F::AtomicLoad, _) => {
+                let e = self.add(Expression::Load { pointer: place.ptr });
+                Ok(Some(Val { e, ty }))
+            }
+            (F::AtomicStore, &[value]) => {
+                self.push(Statement::Store { pointer: place.ptr, value });
+                Ok(None)
+            }
+            _ => self.atomic_at(function, place.ptr, &ty, &values, span).map(Some),
+        }
     }
 
     /// An atomic function on an integer in memory; it gives the value before.

@@ -152,6 +152,11 @@ impl Fun<'_, '_> {
             let value = self.expression(id)?;
             return self.convert(value, want);
         };
+        // GL_EXT_null_initializer.
+        if items.is_empty() {
+            let ty = self.ty(want)?;
+            return Ok(Val { e: self.add(Expression::ZeroValue(ty)), ty: want.clone() });
+        }
         let parts: Vec<Type> = match want {
             Type::Struct(s) => s.fields.iter().map(|f| f.ty.clone()).collect(),
             _ => vec![want.indexed().unwrap_or(Type::Error); items.len()],

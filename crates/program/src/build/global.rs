@@ -37,34 +37,6 @@ pub(super) enum Global {
     SubgroupMask(BinaryOp),
 }
 
-/// Limits of the language (GLSL 4.60, 7.3): the least that an implementation must have.
-fn limit(name: &str) -> Option<i32> {
-    Some(match name {
-        "gl_MaxVertexAttribs" | "gl_MaxVertexTextureImageUnits" | "gl_MaxTextureImageUnits" => 16,
-        "gl_MaxGeometryTextureImageUnits" | "gl_MaxComputeTextureImageUnits" => 16,
-        "gl_MaxVertexUniformComponents" | "gl_MaxFragmentUniformComponents" | "gl_MaxComputeUniformComponents" => 1024,
-        "gl_MaxGeometryUniformComponents" | "gl_MaxGeometryTotalOutputComponents" => 1024,
-        "gl_MaxVaryingFloats" | "gl_MaxVaryingComponents" => 60,
-        "gl_MaxVertexOutputComponents" | "gl_MaxGeometryInputComponents" => 64,
-        "gl_MaxGeometryOutputComponents" | "gl_MaxFragmentInputComponents" => 128,
-        "gl_MaxCombinedTextureImageUnits" => 80,
-        "gl_MaxDrawBuffers" | "gl_MaxLights" | "gl_MaxClipDistances" | "gl_MaxCullDistances" | "gl_MaxImageUnits" => 8,
-        "gl_MaxCombinedClipAndCullDistances" | "gl_MaxTextureCoords" | "gl_MaxTextureUnits" => 8,
-        "gl_MaxClipPlanes" | "gl_MaxFragmentImageUniforms" | "gl_MaxComputeImageUniforms" => 8,
-        "gl_MaxVertexUniformVectors" => 256,
-        "gl_MaxFragmentUniformVectors" => 224,
-        "gl_MaxVaryingVectors" => 15,
-        "gl_MaxVertexOutputVectors" => 16,
-        "gl_MaxFragmentInputVectors" => 15,
-        "gl_MaxGeometryOutputVertices" => 256,
-        "gl_MaxSamples" => 4,
-        "gl_MaxViewports" => 16,
-        "gl_MinProgramTexelOffset" => -8,
-        "gl_MaxProgramTexelOffset" => 7,
-        _ => return None,
-    })
-}
-
 impl<'s> Build<'s> {
     /// The symbols that a declared name makes. A macro that declares a name twice has one place for both.
     pub(super) fn declared(&self, name: &Ident) -> Vec<SymbolId> {
@@ -594,6 +566,6 @@ impl Fun<'_, '_> {
 impl Build<'_> {
     /// The value of a limit of the language.
     pub(super) fn limit(&self, name: &str) -> Option<i32> {
-        limit(name)
+        super::limits::limit(name)
     }
 }

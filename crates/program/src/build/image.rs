@@ -49,6 +49,11 @@ pub(super) fn sized_format(name: &str, scalar: ScalarType) -> &str {
     }
 }
 
+/// True where images are read whose format the host alone knows (`GL_EXT_shader_image_load_formatted`).
+pub(super) fn loads_any_format(shader: &syntax::Shader) -> bool {
+    shader.extensions().iter().any(|extension| extension.name == "GL_EXT_shader_image_load_formatted")
+}
+
 pub(super) fn storage_format(name: &str) -> Option<naga::StorageFormat> {
     use naga::StorageFormat as F;
     Some(match name {

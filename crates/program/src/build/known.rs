@@ -26,6 +26,12 @@ impl Build<'_> {
         Type::Array(std::sync::Arc::new(element), size)
     }
 
+    /// The value of a constant expression that is a whole number of at least 0.
+    pub(super) fn known_number(&self, id: ExprId) -> Option<u32> {
+        let known = self.known(id, 0).filter(|k| k.parts.len() == 1)?;
+        if known.parts[0] == 0.0 { Some(0) } else { whole(known.parts[0]) }
+    }
+
     /// The value of a constant expression, if it can be told here. `float` is rounded to binary32 after every operation.
     fn known(&self, id: ExprId, depth: u32) -> Option<Known> {
         if depth > DEPTH {

@@ -18,6 +18,7 @@ mod global;
 mod image;
 mod io;
 mod known;
+mod limits;
 mod lookup;
 mod math;
 mod operator;

@@ -77,8 +77,9 @@ impl Build<'_> {
             OpaqueKind::Image => {
                 let format = match (opaque.image.format.as_deref(), ty.scalar) {
                     (Some(format), scalar) => storage_format(sized_format(format, scalar)),
-                    // What is only written takes any format (GLSL 4.60, 4.4.6.2): the widest one loses nothing.
-                    (None, _) if opaque.image.reads => None,
+                    // What is only written takes any format (GLSL 4.60, 4.4.6.2), and so does all with the extension: the
+                    // widest one loses nothing.
+                    (None, _) if opaque.image.reads && !super::image::loads_any_format(self.shader) => None,
                     (None, ScalarType::Int) => Some(naga::StorageFormat::Rgba32Sint),
                     (None, ScalarType::Uint) => Some(naga::StorageFormat::Rgba32Uint),
                     (None, _) => Some(naga::StorageFormat::Rgba32Float),

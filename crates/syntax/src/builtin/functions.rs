@@ -56,14 +56,14 @@ functions! {
     Exp "exp", Log "log", Exp2 "exp2", Log2 "log2": ["fh" "1234" "T(T)"];
     Sqrt "sqrt", Inversesqrt "inversesqrt": ["fdh" "1234" "T(T)"];
     // 8.3 common functions
-    Abs "abs", Sign "sign": ["fdihcs" "1234" "T(T)"];
+    Abs "abs", Sign "sign": ["fdihcsl" "1234" "T(T)"];
     Floor "floor", Trunc "trunc", Round "round", RoundEven "roundEven", Ceil "ceil",
     Fract "fract": ["fdh" "1234" "T(T)"];
     Mod "mod": ["fdh" "1234" "T(T,T)"] ["fdh" "234" "T(T,S)"];
     Modf "modf": ["fdh" "1234" "T(T,out T)"];
-    Min "min", Max "max": ["fdiuhcCsS" "1234" "T(T,T)"] ["fdiuhcCsS" "234" "T(T,S)"];
-    Clamp "clamp": ["fdiuhcCsS" "1234" "T(T,T,T)"] ["fdiuhcCsS" "234" "T(T,S,S)"];
-    Mix "mix": ["fdh" "1234" "T(T,T,T)"] ["fdh" "234" "T(T,T,S)"] ["fdiubhcCsS" "1234" "T(T,T,B)"];
+    Min "min", Max "max": ["fdiuhcCsSlL" "1234" "T(T,T)"] ["fdiuhcCsSlL" "234" "T(T,S)"];
+    Clamp "clamp": ["fdiuhcCsSlL" "1234" "T(T,T,T)"] ["fdiuhcCsSlL" "234" "T(T,S,S)"];
+    Mix "mix": ["fdh" "1234" "T(T,T,T)"] ["fdh" "234" "T(T,T,S)"] ["fdiubhcCsSlL" "1234" "T(T,T,B)"];
     Step "step": ["fdh" "1234" "T(T,T)"] ["fdh" "234" "T(S,T)"];
     Smoothstep "smoothstep": ["fdh" "1234" "T(T,T,T)"] ["fdh" "234" "T(S,S,T)"];
     Isnan "isnan", Isinf "isinf": ["fdh" "1234" "B(T)"];
@@ -118,13 +118,17 @@ functions! {
     BitfieldExtract "bitfieldExtract": ["iu" "1234" "T(T,int,int)"];
     BitfieldInsert "bitfieldInsert": ["iu" "1234" "T(T,T,int,int)"];
     BitfieldReverse "bitfieldReverse": ["iu" "1234" "T(T)"];
-    BitCount "bitCount", FindLSB "findLSB", FindMSB "findMSB": ["iu" "1234" "I(T)"];
+    BitCount "bitCount", FindLSB "findLSB", FindMSB "findMSB": ["iulL" "1234" "I(T)"];
     // 8.10 and 8.11 atomics
     AtomicCounter "atomicCounter", AtomicCounterIncrement "atomicCounterIncrement",
     AtomicCounterDecrement "atomicCounterDecrement": ["u" "1" "uint(atomic_uint)"];
     AtomicAdd "atomicAdd", AtomicMin "atomicMin", AtomicMax "atomicMax", AtomicAnd "atomicAnd", AtomicOr "atomicOr",
-    AtomicXor "atomicXor", AtomicExchange "atomicExchange": ["iu" "1" "T(inout T,T)"];
-    AtomicCompSwap "atomicCompSwap": ["iu" "1" "T(inout T,T,T)"];
+    AtomicXor "atomicXor",
+    AtomicExchange "atomicExchange": ["iulL" "1" "T(inout T,T)"] ["iulL" "1" "T(inout T,T,int,int,int)"];
+    AtomicCompSwap "atomicCompSwap": ["iulL" "1" "T(inout T,T,T)"] ["iulL" "1" "T(inout T,T,T,int,int,int,int,int)"];
+    // GL_KHR_memory_scope_semantics
+    AtomicLoad "atomicLoad": ["iulL" "1" "T(inout T,int,int,int)"];
+    AtomicStore "atomicStore": ["iulL" "1" "void(inout T,T,int,int,int)"];
     AtomicCounterAdd "atomicCounterAdd", AtomicCounterSubtract "atomicCounterSubtract",
     AtomicCounterMin "atomicCounterMin", AtomicCounterMax "atomicCounterMax", AtomicCounterAnd "atomicCounterAnd",
     AtomicCounterOr "atomicCounterOr", AtomicCounterXor "atomicCounterXor",
@@ -144,7 +148,9 @@ functions! {
     // 8.15 geometry, 8.16 and 8.17 barriers
     EmitVertex "EmitVertex", EndPrimitive "EndPrimitive": ["f" "1" "void()"];
     EmitStreamVertex "EmitStreamVertex", EndStreamPrimitive "EndStreamPrimitive": ["f" "1" "void(int)"];
-    Barrier "barrier", MemoryBarrier "memoryBarrier", MemoryBarrierAtomicCounter "memoryBarrierAtomicCounter",
+    MemoryBarrier "memoryBarrier": ["f" "1" "void()"] ["f" "1" "void(int,int,int)"];
+    ControlBarrier "controlBarrier": ["f" "1" "void(int,int,int,int)"];
+    Barrier "barrier", MemoryBarrierAtomicCounter "memoryBarrierAtomicCounter",
     MemoryBarrierBuffer "memoryBarrierBuffer", MemoryBarrierShared "memoryBarrierShared",
     MemoryBarrierImage "memoryBarrierImage", GroupMemoryBarrier "groupMemoryBarrier": ["f" "1" "void()"];
     // 8.19 group votes

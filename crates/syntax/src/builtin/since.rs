@@ -38,6 +38,9 @@ const BASIC: &[&str] = &[
     "KHR_shader_subgroup_quad",
 ];
 
+/// The extension that brings functions with a scope and an order of memory, and the names of these.
+const SCOPES: &[&str] = &["KHR_memory_scope_semantics"];
+
 /// Extensions that bring types which say their size, the one that brings nothing else first.
 const INT8: &[&str] = &[
     "EXT_shader_explicit_arithmetic_types_int8",
@@ -132,6 +135,8 @@ const FUNCTIONS: &[Row] = &[
     ("EmitStreamVertex EndStreamPrimitive", "g", 400, NEVER, &["ARB_gpu_shader5"]),
     ("barrier", "ck", 400, 310, &["ARB_tessellation_shader", "ARB_compute_shader"]),
     ("memoryBarrier", "*", 420, 310, &["ARB_shader_image_load_store"]),
+    ("controlBarrier", "*", NEVER, NEVER, SCOPES),
+    ("atomicLoad atomicStore", "*", NEVER, NEVER, SCOPES),
     ("memoryBarrierAtomicCounter memoryBarrierBuffer memoryBarrierImage", "*", 430, 310, &["ARB_compute_shader"]),
     ("groupMemoryBarrier memoryBarrierShared", "k", 430, 310, &["ARB_compute_shader"]),
     ("anyInvocation allInvocations allInvocationsEqual", "*", 460, NEVER, &[]),
@@ -286,6 +291,16 @@ const VARIABLES: &[Row] = &[
     ("gl_NumSamples", "*", 400, 320, &["ARB_sample_shading", "OES_sample_variables"]),
     ("gl_HelperInvocation", "*", 450, 310, &[]),
     ("gl_in", "g", 150, 320, &[]),
+    (
+        "gl_ScopeDevice gl_ScopeWorkgroup gl_ScopeSubgroup gl_ScopeInvocation gl_ScopeQueueFamily \
+         gl_SemanticsRelaxed gl_SemanticsAcquire gl_SemanticsRelease gl_SemanticsAcquireRelease \
+         gl_SemanticsMakeAvailable gl_SemanticsMakeVisible gl_SemanticsVolatile gl_StorageSemanticsNone \
+         gl_StorageSemanticsBuffer gl_StorageSemanticsShared gl_StorageSemanticsImage gl_StorageSemanticsOutput",
+        "*",
+        NEVER,
+        NEVER,
+        SCOPES,
+    ),
     ("gl_SubgroupSize gl_SubgroupInvocationID gl_NumSubgroups gl_SubgroupID", "*", NEVER, NEVER, BASIC),
     (
         "gl_SubgroupEqMask gl_SubgroupGeMask gl_SubgroupGtMask gl_SubgroupLeMask gl_SubgroupLtMask",

@@ -66,6 +66,16 @@ const TABLE: &[(&str, &str, &str, char)] = &[
         "uvec4",
         'r',
     ),
+    // GL_KHR_memory_scope_semantics; constants
+    (
+        "gl_ScopeDevice gl_ScopeWorkgroup gl_ScopeSubgroup gl_ScopeInvocation gl_ScopeQueueFamily \
+         gl_SemanticsRelaxed gl_SemanticsAcquire gl_SemanticsRelease gl_SemanticsAcquireRelease \
+         gl_SemanticsMakeAvailable gl_SemanticsMakeVisible gl_SemanticsVolatile gl_StorageSemanticsNone \
+         gl_StorageSemanticsBuffer gl_StorageSemanticsShared gl_StorageSemanticsImage gl_StorageSemanticsOutput",
+        "vcegfk",
+        "int",
+        'r',
+    ),
     // The compatibility profile
     ("gl_Vertex gl_Color gl_SecondaryColor", "v", "vec4", 'r'),
     ("gl_Normal", "v", "vec3", 'r'),

@@ -98,6 +98,9 @@ impl Checker<'_> {
             SymbolKind::Builtin => {
                 symbol.name.starts_with("gl_Max")
                     || symbol.name.starts_with("gl_Min")
+                    || symbol.name.starts_with("gl_Scope")
+                    || symbol.name.starts_with("gl_Semantics")
+                    || symbol.name.starts_with("gl_StorageSemantics")
                     || symbol.name == "gl_WorkGroupSize"
             }
             SymbolKind::Global(storage) => storage == Storage::Const,

@@ -41,6 +41,12 @@ pub(super) fn available(name: &str, signature: &Signature, language: &Language, 
                 language.since((450, 310, &["EXT_shader_integer_mix"]))
             }
         }
+        // With a scope, the kind of memory and its order.
+        "memoryBarrier" if signature.params.len() > 1 => language.enabled("KHR_memory_scope_semantics"),
+        _ if name.starts_with("atomic") && signature.params.len() > 4 => language.enabled("KHR_memory_scope_semantics"),
+        _ if name.starts_with("atomic") && first.is_some_and(|of| of.bits() == 64) => {
+            language.enabled("EXT_shader_atomic_int64") || language.enabled("NV_shader_atomic_int64")
+        }
         "outerProduct" | "transpose" | "matrixCompMult" => {
             !language.es() || language.number() >= 300 || square(signature)
         }

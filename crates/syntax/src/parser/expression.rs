@@ -284,6 +284,21 @@ impl Parser<'_> {
                 self.advance();
                 self.add(ExprKind::Literal(Literal::Bool(value)), start, from_macro)
             }
+            // An operator that says how a value differs, and changes nothing (GL_EXT_nonuniform_qualifier).
+            Lex::Word
+                if self.word() == "nonuniformEXT" && self.words.language().enabled("EXT_nonuniform_qualifier") =>
+            {
+                self.advance();
+                let open = self.span();
+                if self.peek() != Lex::LParen {
+                    return self.expected("`(` after `nonuniformEXT`");
+                }
+                self.advance();
+                let inner = self.expression()?;
+                self.close(Lex::RParen, ")", open)?;
+                let span = self.since(start);
+                self.add(ExprKind::Paren(inner), span, from_macro)
+            }
             Lex::Word if self.words.built_in_type(self.word()) => {
                 let ty = self.type_specifier()?;
                 if self.peek() != Lex::LParen {

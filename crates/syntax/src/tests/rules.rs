@@ -398,10 +398,36 @@ fn resources_without_a_sampler_and_without_a_size() {
         layout(set = 1, binding = 2) buffer B { uint x; } all[];\n";
     let body = "d[i] = all[i].x + uint(textureLod(nonuniformEXT(sampler3D(vols[i], smp)), vec3(0.0), 0.0).x);";
     assert_eq!(vulkan(arrays, body), [""; 0]);
+    assert_eq!(vulkan(arrays, "d[i] = nonuniformEXT(vec2(1.0));"), ["E030 `vec2` cannot be assigned to `uint`"]);
     assert_eq!(
         vulkan("uint local[];\n", "d[i] = local[i];"),
         ["E048 an array without a size takes constant indices only"]
     );
+}
+
+#[test]
+fn barriers_and_atomic_functions_have_a_scope_with_an_extension() {
+    let told = |extension: &str, body: &str| {
+        let text = format!(
+            "#version 450\n{extension}\nlayout(local_size_x = 8) in;\nlayout(binding = 0) buffer D {{ uint d[]; }};\n\
+             void main() {{ {body} }}\n"
+        );
+        let parsed = Shader::parse(&SourceFile::new("a.comp", text), Stage::Compute);
+        parsed.diagnostics.iter().map(|d| d.code.to_string()).collect::<Vec<_>>()
+    };
+    let all = [
+        "memoryBarrier(gl_ScopeDevice, gl_StorageSemanticsBuffer | gl_StorageSemanticsShared, gl_SemanticsAcquireRelease);",
+        "controlBarrier(gl_ScopeWorkgroup, gl_ScopeDevice, gl_StorageSemanticsBuffer, gl_SemanticsRelease);",
+        "atomicAdd(d[0], 1u, gl_ScopeDevice, gl_StorageSemanticsBuffer, gl_SemanticsRelaxed);",
+        "d[1] = atomicLoad(d[0], gl_ScopeDevice, gl_StorageSemanticsBuffer, gl_SemanticsAcquire);",
+        "atomicStore(d[0], 1u, gl_ScopeDevice, gl_StorageSemanticsBuffer, gl_SemanticsRelease);",
+    ];
+    for body in all {
+        assert_eq!(told("#extension GL_KHR_memory_scope_semantics : require", body), [""; 0], "{body}");
+        assert!(!told("", body).is_empty(), "{body}");
+    }
+    assert_eq!(told("#extension GL_KHR_memory_scope_semantics : require", "memoryBarrier(gl_ScopeDevice);"), ["E022"]);
+    assert_eq!(told("", "memoryBarrier();"), [""; 0]);
 }
 
 #[test]

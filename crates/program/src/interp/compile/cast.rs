@@ -4,6 +4,7 @@ use naga::{Expression, Handle, ScalarKind};
 
 use super::super::code::{Field, Inst, Register, Word2};
 use super::super::domain::{Comparison, FromWords, Site, ToWords, Unary};
+use super::wide::is_wide;
 use super::{Compiler, Frame, InterpError, types, unsupported};
 use base::value::Scalar;
 
@@ -17,6 +18,14 @@ impl<'m> Compiler<'m> {
         convert: Option<u8>,
     ) -> Result<Vec<Register>, InterpError> {
         let registers = self.registers(frame, expr)?;
+        let own = frame.info[expr].ty.inner_with(&self.module.types).scalar();
+        let aimed = convert.map(|width| naga::Scalar { kind, width }).or(own.filter(|_| is_wide(own)));
+        if is_wide(own) || is_wide(aimed) {
+            let span = frame.function.expressions.get_span(expr);
+            return self
+                .wide_cast(site, &registers, own, (kind, convert))
+                .ok_or_else(|| unsupported("conversion of real numbers to 64-bit integers".to_owned(), span));
+        }
         // A whole number of 16 bits, as memory keeps it: see `expression`.
         let whole = matches!(kind, ScalarKind::Sint | ScalarKind::Uint);
         let (short, convert) = if convert == Some(2) && whole { (true, Some(4)) } else { (false, convert) };
@@ -41,6 +50,31 @@ impl<'m> Compiler<'m> {
                 None => self.reinterpret(site, a, target),
             })
             .collect())
+    }
+
+    /// A conversion from or to whole numbers of 64 bits; `None` where it is from real numbers.
+    fn wide_cast(
+        &mut self,
+        site: Site,
+        registers: &[Register],
+        own: Option<naga::Scalar>,
+        (kind, convert): (ScalarKind, Option<u8>),
+    ) -> Option<Vec<Register>> {
+        let aimed = naga::Scalar { kind, width: convert.unwrap_or(8) };
+        match (is_wide(own), is_wide(Some(aimed))) {
+            // The same bits.
+            (true, true) => Some(registers.to_vec()),
+            (true, false) => {
+                let target = types::scalar(aimed).ok()?;
+                let signed = own.is_some_and(|scalar| scalar.kind == ScalarKind::Sint);
+                let halves = registers.chunks_exact(2);
+                Some(halves.map(|pair| self.narrowed_to(site, signed, [pair[0], pair[1]], target)).collect())
+            }
+            (false, _) => {
+                let all: Option<Vec<Vec<Register>>> = registers.iter().map(|&a| self.widened(site, a)).collect();
+                all.map(|all| all.concat())
+            }
+        }
     }
 
     pub(super) fn words_of(&mut self, site: Site, op: ToWords, a: Register, scalar: Scalar) -> Register {

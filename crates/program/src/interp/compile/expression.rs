@@ -2,10 +2,11 @@
 
 use std::rc::Rc;
 
-use naga::{AddressSpace, Arena, Expression, Handle, Literal, RelationalFunction};
+use naga::{AddressSpace, Arena, Expression, Handle, Literal, MathFunction, RelationalFunction, ScalarKind, TypeInner};
 
 use super::super::code::{Inst, Register, Word2};
 use super::super::domain::{Class, Site};
+use super::wide::{is_wide, words};
 use super::{Compiler, Evaluated, Frame, InterpError, Pointer, types, unsupported};
 use crate::Manner;
 use base::value::Scalar;
@@ -85,7 +86,7 @@ impl<'m> Compiler<'m> {
             return refuse("16-bit integers");
         }
         let registers: Vec<Register> = match frame.function.expressions[handle] {
-            Expression::Literal(literal) => vec![self.literal(literal, Some(site), span)?],
+            Expression::Literal(literal) => self.literal(literal, Some(site), span)?,
             Expression::Constant(constant) => self.constant_expression(self.module.constants[constant].init)?,
             Expression::Override(value) => {
                 let value = &self.module.overrides[value];
@@ -104,10 +105,12 @@ impl<'m> Compiler<'m> {
             }
             Expression::Access { base, index } => return self.element(frame, site, base, index),
             Expression::AccessIndex { base, index } => return self.part(frame, base, index),
-            Expression::Splat { size, value } => vec![self.single(frame, value)?; size as usize],
+            Expression::Splat { size, value } => self.registers(frame, value)?.repeat(size as usize),
             Expression::Swizzle { size, vector, pattern } => {
                 let vector = self.registers(frame, vector)?;
-                pattern[..size as usize].iter().map(|&component| vector[component as usize]).collect()
+                let words = words(numbers);
+                let component = |&of: &naga::SwizzleComponent| &vector[of as usize * words..(of as usize + 1) * words];
+                pattern[..size as usize].iter().flat_map(component).copied().collect()
             }
             Expression::FunctionArgument(index) => {
                 let argument = frame.arguments.get(index as usize).cloned();
@@ -138,7 +141,8 @@ impl<'m> Compiler<'m> {
             Expression::Select { condition, accept, reject } => {
                 let condition = self.registers(frame, condition)?;
                 let (accept, reject) = (self.registers(frame, accept)?, self.registers(frame, reject)?);
-                let condition = |k: usize| if condition.len() == 1 { condition[0] } else { condition[k] };
+                let words = words(numbers);
+                let condition = |k: usize| if condition.len() == 1 { condition[0] } else { condition[k / words] };
                 let pairs = accept.iter().zip(reject.iter()).enumerate();
                 pairs.map(|(k, (&accept, &reject))| self.select(condition(k), accept, reject)).collect()
             }
@@ -149,6 +153,9 @@ impl<'m> Compiler<'m> {
                     args.push(self.registers(frame, handle)?);
                 }
                 let inner = frame.info[arg].ty.inner_with(&self.module.types).clone();
+                if is_wide(inner.scalar()) {
+                    return self.wide_function(site, fun, &args, &inner, span);
+                }
                 self.math(site, fun, &args, &inner, span)?
             }
             Expression::As { expr, kind, convert } => self.cast(frame, site, expr, kind, convert)?,
@@ -200,9 +207,14 @@ impl<'m> Compiler<'m> {
         Ok(self.narrowed(site, &loaded))
     }
 
-    fn literal(&mut self, literal: Literal, site: Option<Site>, span: naga::Span) -> Result<Register, InterpError> {
+    fn literal(
+        &mut self,
+        literal: Literal,
+        site: Option<Site>,
+        span: naga::Span,
+    ) -> Result<Vec<Register>, InterpError> {
         let wide = |what: &str| Err(unsupported(what.to_owned(), span));
-        Ok(match literal {
+        let register = match literal {
             Literal::F32(value) => self.real(value, site),
             Literal::U32(value) => self.word(value, Scalar::U32),
             Literal::I32(value) => self.word(value.cast_unsigned(), Scalar::I32),
@@ -210,9 +222,11 @@ impl<'m> Compiler<'m> {
             Literal::F64(_) => return wide("64-bit floats"),
             Literal::F16(value) => self.real(value.to_f32(), site),
             Literal::U16(_) | Literal::I16(_) => return wide("16-bit integers"),
-            Literal::U64(_) | Literal::I64(_) => return wide("64-bit integers"),
+            Literal::U64(value) => return Ok(self.wide_number(value)),
+            Literal::I64(value) => return Ok(self.wide_number(value.cast_unsigned())),
             Literal::AbstractInt(_) | Literal::AbstractFloat(_) => return wide("numbers of abstract type"),
-        })
+        };
+        Ok(vec![register])
     }
 
     fn zero_value(&mut self, ty: Handle<naga::Type>, span: naga::Span) -> Result<Vec<Register>, InterpError> {
@@ -228,7 +242,7 @@ impl<'m> Compiler<'m> {
         Ok(match arena[handle] {
             Expression::Literal(literal) => {
                 let site = self.constant_site(handle, span);
-                vec![self.literal(literal, Some(site), span)?]
+                self.literal(literal, Some(site), span)?
             }
             Expression::Constant(constant) => self.constant_expression(self.module.constants[constant].init)?,
             Expression::ZeroValue(ty) => self.zero_value(ty, span)?,
@@ -245,6 +259,10 @@ impl<'m> Compiler<'m> {
             }
             Expression::Swizzle { size, vector, pattern } => {
                 let vector = self.constant_expression(vector)?;
+                // Which halves belong together the registers do not say.
+                if vector.len() > 4 {
+                    return Err(unsupported("constants of 64-bit integers".to_owned(), span));
+                }
                 pattern[..size as usize].iter().map(|&component| vector[component as usize]).collect()
             }
             Expression::Override(value) => match self.module.overrides[value].init {
@@ -296,6 +314,32 @@ impl<'m> Compiler<'m> {
             RelationalFunction::IsNan => classify(self, Class::Nan),
             RelationalFunction::IsInf => classify(self, Class::Infinite),
         })
+    }
+}
+
+impl Compiler<'_> {
+    /// A function of whole numbers of 64 bits.
+    fn wide_function(
+        &mut self,
+        site: Site,
+        fun: MathFunction,
+        args: &[Rc<[Register]>],
+        first: &TypeInner,
+        span: naga::Span,
+    ) -> Result<Evaluated, InterpError> {
+        let refuse = || unsupported(format!("`{fun:?}` of 64-bit integers"), span);
+        let signed = first.scalar().is_some_and(|scalar| scalar.kind == ScalarKind::Sint);
+        let count = args.iter().map(|arg| arg.len() / 2).max().unwrap_or(0);
+        let mut all = Vec::new();
+        for k in 0..count {
+            let own = |arg: &Rc<[Register]>| {
+                let at = if arg.len() == 2 { 0 } else { 2 * k };
+                Some([*arg.get(at)?, *arg.get(at + 1)?])
+            };
+            let parts: Option<Vec<[Register; 2]>> = args.iter().map(own).collect();
+            all.extend(parts.and_then(|parts| self.wide_math(site, fun, signed, &parts)).ok_or_else(refuse)?);
+        }
+        Ok(Evaluated::Registers(all.into()))
     }
 }
 

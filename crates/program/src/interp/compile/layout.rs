@@ -5,6 +5,7 @@ use std::sync::Arc;
 use naga::{AddressSpace, ArraySize, GlobalVariable, Handle, Module, StorageAccess, Type, TypeInner};
 
 use super::super::group::{Array, Leaf, MemoryShape, Space, Texels};
+use super::wide::words;
 use super::{image, types};
 use base::value::Scalar;
 
@@ -35,7 +36,7 @@ impl RegisterLayout {
     fn scalar(self, scalar: naga::Scalar) -> u32 {
         match self {
             Self::Host { unit } => (u32::from(scalar.width) / unit).max(1),
-            Self::Packed => 1,
+            Self::Packed => words(Some(scalar)) as u32,
         }
     }
 
@@ -117,14 +118,17 @@ impl RegisterLayout {
             if all.len() >= MAX_WORDS as usize {
                 return Err(format!("memory of more than {MAX_WORDS} words"));
             }
-            all.push(Leaf {
-                name: whole.clone(),
-                offset,
-                scalar: types::scalar_in_memory(scalar)?,
-                short: scalar.width == 2,
-                component,
-                lens: all_lens.clone(),
-            });
+            let step = self.scalar(naga::Scalar::U32);
+            for half in 0..words(Some(scalar)) as u32 {
+                all.push(Leaf {
+                    name: if half == 0 { whole.clone() } else { Arc::from(format!("{whole} (upper half)")) },
+                    offset: offset + half * step,
+                    scalar: types::scalar_in_memory(scalar)?,
+                    short: scalar.width == 2,
+                    component,
+                    lens: all_lens.clone(),
+                });
+            }
             Ok(())
         };
         match *inner {

@@ -17,6 +17,7 @@ mod subgroup;
 mod texture;
 mod together;
 mod types;
+mod wide;
 
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;

@@ -4,6 +4,7 @@ use naga::{BinaryOperator, Expression, Handle, TypeInner, UnaryOperator};
 
 use super::super::code::{Inst, Register, Word1, Word2};
 use super::super::domain::{Binary, Comparison, Site, Unary};
+use super::wide::{is_wide, words};
 use super::{Compiler, Frame, InterpError, unsupported};
 use base::value::Scalar;
 
@@ -61,6 +62,12 @@ impl<'m> Compiler<'m> {
         expr: Handle<Expression>,
     ) -> Result<Vec<Register>, InterpError> {
         let registers = self.registers(frame, expr)?;
+        if is_wide(frame.info[expr].ty.inner_with(&self.module.types).scalar()) {
+            let halves = |pair: &[Register]| [pair[0], pair[1]];
+            let each = registers.chunks_exact(2).map(|pair| self.wide_unary(site, op, halves(pair)));
+            let all: Option<Vec<Vec<Register>>> = each.collect();
+            return all.map(|all| all.concat()).ok_or_else(|| unsupported(format!("{op:?} of this type"), frame.span));
+        }
         let one = |this: &mut Self, a: Register| match (op, a.scalar) {
             (UnaryOperator::Negate, Scalar::F32) => Some(this.real1(site, Unary::Negate, a)),
             (UnaryOperator::Negate, Scalar::I32) => Some(this.word1(site, Word1::Negate, a, Scalar::I32)),
@@ -104,6 +111,19 @@ impl<'m> Compiler<'m> {
                 }
                 _ => {}
             }
+        }
+        let of = |handle: Handle<Expression>| frame.info[handle].ty.inner_with(&self.module.types).scalar();
+        let (own, other) = (of(left), of(right));
+        if is_wide(own) {
+            let signed = own.is_some_and(|scalar| scalar.kind == naga::ScalarKind::Sint);
+            let (step, n) = (words(other), (a.len() / 2).max(b.len() / words(other)));
+            let mut all = Vec::new();
+            for k in 0..n {
+                let (at, by) = (if a.len() == 2 { 0 } else { 2 * k }, if b.len() == step { 0 } else { step * k });
+                let found = self.wide_operator(site, op, signed, [a[at], a[at + 1]], &b[by..by + step]);
+                all.extend(found.ok_or_else(|| unsupported(format!("{op:?} of this type"), frame.span))?);
+            }
+            return Ok(all);
         }
         let n = a.len().max(b.len());
         let mut all = Vec::with_capacity(n);

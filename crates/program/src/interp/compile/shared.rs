@@ -8,6 +8,7 @@ use super::super::code::{Inst, Reg, Register};
 use super::super::domain::Site;
 use super::super::group::{Combine, Extent, MemoryAccess, MemoryOp, Step};
 use super::layout::RegisterLayout;
+use super::wide::is_wide;
 use super::{Compiler, Evaluated, Frame, InterpError, Memory, Pointer, unsupported};
 use base::value::Scalar;
 
@@ -120,6 +121,9 @@ impl<'m> Compiler<'m> {
         let place = self.pointer(frame, pointer)?;
         if place.memory.is_none() {
             return Err(unsupported("atomics".to_owned(), frame.span));
+        }
+        if matches!(inner, TypeInner::Scalar(of) | TypeInner::Atomic(of) if is_wide(Some(of))) {
+            return Err(unsupported("atomics of 64-bit integers".to_owned(), frame.span));
         }
         let value = self.single(frame, value)?;
         let (op, compare) = self.combine(frame, function)?;

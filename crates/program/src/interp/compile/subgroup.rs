@@ -4,6 +4,7 @@ use naga::{CollectiveOperation, Direction, Expression, GatherMode, Handle, State
 
 use super::super::code::{Inst, Register};
 use super::super::group::{Fold, From, Subgroup, SubgroupOp};
+use super::wide::is_wide;
 use super::{Compiler, Evaluated, Frame, InterpError, unsupported};
 use base::value::Scalar;
 
@@ -35,6 +36,10 @@ impl<'m> Compiler<'m> {
             }
             _ => return Err(InterpError::internal("a statement that is no operation of a subgroup".to_owned())),
         };
+        let wide = |handle: Handle<Expression>| is_wide(frame.info[handle].ty.inner_with(&self.module.types).scalar());
+        if argument.is_some_and(wide) {
+            return Err(unsupported("subgroup operations of 64-bit integers".to_owned(), span));
+        }
         let args = match argument {
             Some(argument) => self.registers(frame, argument)?.to_vec(),
             None => vec![self.word(1, Scalar::Bool)],

@@ -2,6 +2,7 @@
 
 use naga::{ArraySize, Handle, Module, ScalarKind, Type, TypeInner};
 
+use super::wide::words;
 use base::value::Scalar;
 
 /// Scalars of one variable that are still handled: more are a table that belongs into a texture.
@@ -14,6 +15,8 @@ pub(super) fn scalar(scalar: naga::Scalar) -> Result<Scalar, String> {
         (ScalarKind::Float, 2 | 4) => Ok(Scalar::F32),
         (ScalarKind::Sint, 4) => Ok(Scalar::I32),
         (ScalarKind::Uint, 4) => Ok(Scalar::U32),
+        // The halves of a number of 64 bits: see `wide`.
+        (ScalarKind::Sint | ScalarKind::Uint, 8) => Ok(Scalar::U32),
         (ScalarKind::Bool, _) => Ok(Scalar::Bool),
         (ScalarKind::Float, width) => Err(format!("{}-bit floats", 8 * u32::from(width))),
         (ScalarKind::Sint | ScalarKind::Uint, width) => Err(format!("{}-bit integers", 8 * u32::from(width))),
@@ -42,8 +45,8 @@ pub(super) fn is_half(module: &Module, ty: Handle<Type>) -> bool {
 pub(super) fn count(module: &Module, inner: &TypeInner) -> Result<usize, String> {
     let of = |ty: Handle<Type>| count(module, &module.types[ty].inner);
     let n = match *inner {
-        TypeInner::Scalar(s) => scalar(s).map(|_| 1)?,
-        TypeInner::Vector { size, scalar: s } => scalar(s).map(|_| size as usize)?,
+        TypeInner::Scalar(s) => scalar(s).map(|_| words(Some(s)))?,
+        TypeInner::Vector { size, scalar: s } => scalar(s).map(|_| size as usize * words(Some(s)))?,
         TypeInner::Matrix { columns, rows, scalar: s } => scalar(s).map(|_| columns as usize * rows as usize)?,
         TypeInner::Array { base, size, .. } => match size {
             ArraySize::Constant(len) => of(base)?.saturating_mul(len.get() as usize),
@@ -59,9 +62,8 @@ pub(super) fn count(module: &Module, inner: &TypeInner) -> Result<usize, String>
         }
         TypeInner::Pointer { .. } | TypeInner::ValuePointer { .. } => return Err("pointers in variables".to_owned()),
         TypeInner::Atomic(_) => return Err("atomics".to_owned()),
-        TypeInner::Image { .. } | TypeInner::Sampler { .. } | TypeInner::BindingArray { .. } => {
-            return Err("textures and samplers".to_owned());
-        }
+        TypeInner::Image { .. } | TypeInner::Sampler { .. } => return Err("textures and samplers".to_owned()),
+        TypeInner::BindingArray { .. } => return Err("arrays of buffers, textures or samplers".to_owned()),
         TypeInner::AccelerationStructure { .. } | TypeInner::RayQuery { .. } => return Err("ray queries".to_owned()),
         TypeInner::CooperativeMatrix { .. } => return Err("cooperative matrices".to_owned()),
     };
@@ -85,7 +87,7 @@ fn push(module: &Module, inner: &TypeInner, all: &mut Vec<Scalar>) {
                 _ => 1,
             };
             // `count` has refused every other scalar.
-            all.extend(scalar(s).into_iter().flat_map(|s| std::iter::repeat_n(s, n)));
+            all.extend(scalar(s).into_iter().flat_map(|of| std::iter::repeat_n(of, n * words(Some(s)))));
         }
         TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
             for _ in 0..len.get() {
@@ -104,8 +106,9 @@ fn push(module: &Module, inner: &TypeInner, all: &mut Vec<Scalar>) {
 /// `None` for types that have no elements of one kind.
 pub(super) fn elements(module: &Module, inner: &TypeInner) -> Option<(usize, usize)> {
     match *inner {
-        TypeInner::Vector { size, .. } => Some((1, size as usize)),
-        TypeInner::ValuePointer { size: Some(size), .. } => Some((1, size as usize)),
+        TypeInner::Vector { size, scalar } | TypeInner::ValuePointer { size: Some(size), scalar, .. } => {
+            Some((words(Some(scalar)), size as usize))
+        }
         TypeInner::Matrix { columns, rows, .. } => Some((rows as usize, columns as usize)),
         TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
             Some((count(module, &module.types[base].inner).ok()?, len.get() as usize))

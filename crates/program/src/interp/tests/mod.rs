@@ -12,3 +12,4 @@ mod refusals;
 mod support;
 
 pub(in crate::interp) use support::wgsl;
+mod wide;
