@@ -64,6 +64,34 @@ fn what_takes_an_input_that_nobody_stated_is_a_warning() {
     );
 }
 
+/// Values that were taken since nobody stated any, and that are right elsewhere: random numbers between 0 and 1, a size that is
+/// never 0.
+#[test]
+fn what_needs_a_guess_is_a_warning_and_what_no_value_mends_is_an_error() {
+    let told = |text: &str| {
+        let report = only(text, "");
+        assert!(!report.fails(), "{:?}", report.findings);
+        let found = report.of(Severity::Warning).find(|f| MISSING.contains(&f.kind) && f.part == Part::Realistic);
+        assert!(found.is_some(), "{:?}", report.findings);
+    };
+    told("vec2 disc(float u1, float u2) { return sqrt(1.0 - u1 * u1) * vec2(cos(u2), sin(u2)); }");
+    told("float part(float vanillaDiffuse, vec3 albedo) { return albedo.x * 4.0 / vanillaDiffuse; }");
+    is_error(&only("float never(float u) { return sqrt(-1.0 - u * u); }", ""));
+    is_error(&only("vec3 straight(vec4 color, float u) { return u * color.rgb / color.a; }", ""));
+    assert!(only("vec2 disc(float u1) { return vec2(sqrt(1.0 - u1 * u1), u1); }", "u1=[-2,2]").fails());
+}
+
+#[test]
+fn a_variable_that_starts_with_an_input_has_its_value_in_each_function() {
+    let text = "uniform vec3 size;\nvec3 iResolution = vec3(size.xy, 1.0);\nfloat aspect = iResolution.x / iResolution.y;\n\
+                in vec2 uv;\nout vec4 color;\nfloat of(vec2 p) { return p.x * aspect; }\nvoid main() { color = vec4(of(uv)); }\n";
+    let all = functions("a.frag", text);
+    let of = all.iter().find(|subject| subject.label == "of").unwrap();
+    let report = on(of, "size=[64,2048]", &*embedded::open().unwrap(), Promises::of_api(Api::Binary32));
+    assert_eq!(report.not_run, None);
+    is_silent(&report);
+}
+
 #[test]
 fn what_is_right_is_silent() {
     is_silent(&only("vec3 turned(vec3 v) { return v / max(length(v), 0.0001); }", "v=[-8,8]"));
@@ -82,7 +110,8 @@ fn colours_and_shares_are_no_negative_numbers_unless_that_is_stated() {
     is_silent(&only("float shade(float roughness) { return sqrt(1.0 - roughness); }", ""));
     // Within [0, 1] nothing is left out, and other inputs are of any size.
     assert!(only("vec3 straight(vec3 color, float alpha) { return color / alpha; }", "").fails());
-    assert!(only("float curve(float height) { return pow(height - 1.0, 2.2); }", "").fails());
+    let curve = only("float curve(float height) { return pow(height - 1.0, 2.2); }", "");
+    assert!(curve.of(Severity::Warning).any(|f| f.part == Part::Realistic), "{:?}", curve.findings);
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("a.glsl"), "vec3 over(vec3 color, float size) { return color / size; }\n").unwrap();
     let told = run_in(folder.path(), "fuzz a.glsl --samples 2048 --lane embedded").expect(0);

@@ -46,8 +46,12 @@ pub fn presumed(ready: &Ready, domain: &Domain) -> (Domain, Vec<String>) {
 
 fn is_unit(field: &Field, taken: Option<&str>) -> bool {
     let plain = field.shape.scalar == Scalar::F32 && field.shape.columns == 1;
-    let share = || syntax::words::words(&field.name).iter().any(|word| SHARES.contains(&word.as_str()));
-    plain && (taken == Some(COLOUR) || share())
+    plain && (taken == Some(COLOUR) || is_share(&field.name))
+}
+
+/// True for a name that says a share, which is in [0, 1] in every program.
+pub fn is_share(name: &str) -> bool {
+    syntax::words::words(name).iter().any(|word| SHARES.contains(&word.as_str()))
 }
 
 /// Each input with its laws.

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::domain::{Domain, InputDomain, Law, number};
 use super::generate::{direction, rotation, within_laws};
+use super::presumed::is_share;
 use crate::guess::{self, Guess};
 use base::value::{Batch, Field, Record, Scalar, Shape};
 use property::generators::{Generator, Group, Options, Place, by_name, matrix};
@@ -14,6 +15,9 @@ use property::{Sample, Stream, mix};
 /// One sample in this many has one input at an edge that programs reach: a direction along an axis, black, the corner
 /// of a texture. It is one input alone, so that nothing coincides that does not coincide by itself.
 const AT_AN_EDGE: usize = 8;
+
+/// Key of values that are drawn again.
+const REDRAWN: u64 = 0x9e37;
 
 /// How short interpolation leaves a direction.
 const SHORTENED: f64 = 0.5;
@@ -34,6 +38,8 @@ pub struct Realistic {
 struct RealisticDraw {
     draw: Draw,
     taken_for: &'static str,
+    /// Its name or type says what it is: no program gives it anything else.
+    sure: bool,
 }
 
 enum Draw {
@@ -79,11 +85,13 @@ struct Link {
 impl Realistic {
     /// For the fields of the invocation and of the case, with what each is taken for.
     pub fn new(records: [&Record; 2], guess: &dyn Fn(&Field) -> (Guess, bool)) -> Self {
-        let one = |field: &Field| {
+        let one = |field: &Field, uniform: bool| {
             let (guess, varying) = guess(field);
-            RealisticDraw { taken_for: guess.taken_for, draw: drawn(field, &guess, varying) }
+            let sure = guess.is_sure(field.shape, uniform) || is_share(&field.name);
+            RealisticDraw { taken_for: guess.taken_for, draw: drawn(field, &guess, varying), sure }
         };
-        let sides = records.map(|record| record.fields().iter().map(one).collect());
+        let sides =
+            [0, 1].map(|side: usize| records[side].fields().iter().map(|field| one(field, side == 1)).collect());
         let links = links(records, &sides);
         Self { sides, links, far: Vec::new() }
     }
@@ -196,6 +204,35 @@ impl Realistic {
             };
             !(link.follow)(from, &mut follows) || follows.iter().zip(to).all(near)
         })
+    }
+
+    /// The sample with other values, drawn by number `key`, in the places of inputs that may be anything; none where there are
+    /// no such inputs. What no name explains is between 0 and 1 there, where most functions of such a number are used, or
+    /// between -1 and 0.
+    pub fn redrawn(&self, domain: &Domain, sample: &Sample, key: u64) -> Option<Sample> {
+        let mut stream = Stream::new(mix(REDRAWN, key));
+        let mut new = sample.clone();
+        let mut any = false;
+        for (side, drawn) in self.sides.iter().enumerate() {
+            let record = [&sample.invocation_record, &sample.case_record][side];
+            let words = if side == 0 { &mut new.invocation } else { &mut new.case };
+            for (k, drawn) in drawn.iter().enumerate().filter(|(k, drawn)| !drawn.sure && !stated(domain, (side, *k))) {
+                let out = &mut words[record.range(k)];
+                match drawn.draw {
+                    Draw::Interval { .. } if drawn.taken_for == guess::ANY => {
+                        let sign = if key.is_multiple_of(2) { 1.0 } else { -1.0 };
+                        let drawn = |stream: &mut Stream| (sign * stream.between(0.0625, 0.9375) as f32).to_bits();
+                        out.iter_mut().for_each(|word| *word = drawn(&mut stream));
+                    }
+                    _ => drawn.draw.fill(record.fields()[k].shape, &mut stream, false, out),
+                }
+                any = true;
+            }
+        }
+        let mut sides = [std::mem::take(&mut new.invocation), std::mem::take(&mut new.case)];
+        self.follow([&sample.invocation_record, &sample.case_record], domain, &mut sides);
+        [new.invocation, new.case] = sides;
+        any.then_some(new)
     }
 
     /// The sample with input number `index` as plain as it can be; none where there is no such input.

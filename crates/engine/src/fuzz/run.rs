@@ -6,7 +6,7 @@ use super::crossing;
 use super::domain::{Domain, Standing, Within};
 use super::finding::{Finding, FunctionReport, FuzzFindingKind, Part, Severity};
 use super::generate::{batch_size, drawn, stream_key};
-use super::host_numbers;
+use super::guessed;
 use super::lanes::OnLane;
 use super::lowered::Lowered;
 use super::name::{Key, Named, name, place, undefined};
@@ -493,7 +493,8 @@ fn add_findings(
             }
             kind => kind.severity(group.standing, stated),
         };
-        let guessed = || host_numbers::are_needed(ready, domain, looked.sizes, &group.sample, key);
+        let looking = (looked.sizes, looked.in_parts);
+        let guessed = || guessed::are_needed(ready, domain, looking, &group.sample, key);
         if severity == Severity::Finding && request.case.is_none() && guessed() { Severity::Warning } else { severity }
     };
     let severities: HashMap<Key, Severity> = groups.iter().map(|(key, group)| (*key, severity(key, group))).collect();

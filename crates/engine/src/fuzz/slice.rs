@@ -5,11 +5,11 @@ use std::collections::BTreeSet;
 
 use super::builtin;
 use base::text::{Edit, Span};
-use syntax::Shader;
-use syntax::ast::{Item, ItemKind, TypeKind};
+use syntax::ast::{ExprId, Item, ItemKind, TypeKind};
 use syntax::interface::{Storage, Variable};
-use syntax::symbols::{FunctionId, SymbolId, SymbolKind};
+use syntax::symbols::{CallTarget, FunctionId, SymbolId, SymbolKind};
 use syntax::types::Type;
+use syntax::{Shader, walk};
 
 /// A global variable that goes in or comes out.
 #[derive(Clone, Debug)]
@@ -37,13 +37,27 @@ pub struct Slice {
     pub head_at: usize,
     /// Variables that the function reads and writes.
     pub globals: Vec<Global>,
+    /// Variables whose first value follows from these, in the order of their declarations.
+    pub late: Vec<LateValue>,
+}
+
+/// A global variable that is initialised with inputs: where these are parameters, it gets its value behind them.
+#[derive(Clone, Debug)]
+pub struct LateValue {
+    /// Its name.
+    pub name: String,
+    /// The value in the author's text.
+    pub value: Span,
+    /// Edits of the value.
+    pub edits: Vec<Edit>,
 }
 
 /// Leaves everything out that `root` does not need.
 pub fn slice(shader: &Shader, root: FunctionId) -> Slice {
     let functions = shader.reachable(root);
     let used = shader.used_by(&functions);
-    let mut slice = Slice { edits: Vec::new(), head: String::new(), head_at: head_at(shader), globals: Vec::new() };
+    let (head, head_at) = (String::new(), head_at(shader));
+    let mut slice = Slice { edits: Vec::new(), head, head_at, globals: Vec::new(), late: Vec::new() };
     let mut dropped: Vec<bool> = shader.unit().items.iter().map(|_| false).collect();
     for (index, item) in shader.unit().items.iter().enumerate() {
         dropped[index] = match &item.kind {
@@ -94,6 +108,7 @@ pub fn slice(shader: &Shader, root: FunctionId) -> Slice {
     plain_variables(shader, &used, &kept, &mut slice);
     plain_blocks(shader, &used, &kept, &mut slice);
     built_ins(shader, &used, &functions, &mut slice);
+    late_values(shader, &kept, &mut slice);
     slice.edits.sort_by_key(|e| (e.span.start, e.span.end));
     slice
 }
@@ -103,6 +118,38 @@ fn is_used(shader: &Shader, block: usize, used: &BTreeSet<SymbolId>) -> bool {
         SymbolKind::BlockMember(k) | SymbolKind::BlockInstance(k) => k == block,
         SymbolKind::Builtin | SymbolKind::Global(_) | SymbolKind::Param(_) | SymbolKind::Local => false,
     })
+}
+
+/// Takes initialisers out that need an input. In the text they come before everything else, and inputs are parameters here.
+fn late_values(shader: &Shader, kept: &dyn Fn(usize) -> bool, slice: &mut Slice) {
+    let text = shader.file().text();
+    let fed: BTreeSet<&str> = slice.globals.iter().filter(|g| g.reads).map(|g| g.shown.as_str()).collect();
+    let mut late: BTreeSet<SymbolId> = BTreeSet::new();
+    let mut moved = Vec::new();
+    for variable in shader.interface().variables().filter(|v| v.storage == Storage::Global && kept(v.item)) {
+        let Some(initializer) = variable.initializer else { continue };
+        let needs = |id: ExprId| match shader.symbol_of(id) {
+            Some(symbol) => late.contains(&symbol) || fed.contains(shader.symbol(symbol).name.as_str()),
+            None => matches!(shader.callee(id), Some(CallTarget::User(_))),
+        };
+        let value = shader.expr(initializer).span;
+        // Of a variable that a macro declares the text shows only the macro.
+        let shown = text.get(variable.name_span.range()) == Some(variable.name.as_str())
+            && variable.name_span.end <= value.start;
+        if !shown || !walk::expressions(shader, initializer).into_iter().any(needs) {
+            continue;
+        }
+        let Some(equals) = text[variable.name_span.end..value.start].rfind('=') else { continue };
+        late.insert(variable.symbol);
+        moved.push((variable.name.clone(), value, Span::new(variable.name_span.end + equals, value.end)));
+    }
+    for (name, value, gone) in moved {
+        let is_inside = |edit: &Edit| gone.start <= edit.span.start && edit.span.end <= gone.end;
+        let (edits, rest) = slice.edits.drain(..).partition(is_inside);
+        slice.edits = rest;
+        slice.edits.push(Edit::delete(gone));
+        slice.late.push(LateValue { name, value, edits });
+    }
 }
 
 /// Deletes a span, but for the lines of directives in it.
@@ -183,7 +230,8 @@ fn plain_variables(shader: &Shader, used: &BTreeSet<SymbolId>, kept: &dyn Fn(usi
                 true
             }
         };
-        if variable.ty.contains_opaque() {
+        // A `sampler` of Vulkan has no type of its own before it meets a texture.
+        if variable.ty.contains_opaque() || variable.ty.is_error() {
             continue;
         }
         if fed && variable.position == 0 {
@@ -240,20 +288,33 @@ fn plain_blocks(shader: &Shader, used: &BTreeSet<SymbolId>, kept: &dyn Fn(usize)
     }
 }
 
+/// Gives a name of the language another one, wherever it stands.
+fn renamed(shader: &Shader, from: &str, to: &str, slice: &mut Slice) {
+    for token in shader.tokens().iter().filter(|t| shader.file().slice(t.span) == from) {
+        let gone = slice.edits.iter().any(|e| e.span.start < token.span.end && token.span.start < e.span.end);
+        if !gone {
+            slice.edits.push(Edit::replace(token.span, to.to_owned()));
+        }
+    }
+}
+
 /// Variables of the stage that the language knows become plain ones under other names.
 fn built_ins(shader: &Shader, used: &BTreeSet<SymbolId>, functions: &[FunctionId], slice: &mut Slice) {
     for (id, symbol) in shader.symbols().filter(|(_, s)| s.kind == SymbolKind::Builtin) {
+        // A constant of the text.
+        if let Some([x, y, z]) =
+            shader.workgroup_size().filter(|_| symbol.name == "gl_WorkGroupSize" && used.contains(&id))
+        {
+            slice.head.push_str(&format!("const uvec3 sc_gl_WorkGroupSize = uvec3({x}, {y}, {z});\n"));
+            renamed(shader, &symbol.name, "sc_gl_WorkGroupSize", slice);
+            continue;
+        }
         let Some(known) = builtin::by_name(&symbol.name).filter(|_| used.contains(&id)) else { continue };
-        let uses = || shader.uses_of(id).filter(|u| u.function.is_some_and(|f| functions.contains(&f)));
+        let uses = || shader.uses_of(id).filter(|u| u.function.is_none_or(|f| functions.contains(&f)));
         let (reads, writes) = (uses().any(|u| u.access.reads()), uses().any(|u| u.access.writes()));
         let name = format!("sc_{}", symbol.name);
         slice.head.push_str(&builtin::declaration(known, &name));
-        for token in shader.tokens().iter().filter(|t| shader.file().slice(t.span) == symbol.name) {
-            let gone = slice.edits.iter().any(|e| e.span.start < token.span.end && token.span.start < e.span.end);
-            if !gone {
-                slice.edits.push(Edit::replace(token.span, name.clone()));
-            }
-        }
+        renamed(shader, &symbol.name, &name, slice);
         let ty = builtin::type_of(known);
         let reads = reads && !(writes && known.output);
         slice.globals.push(Global { name, shown: symbol.name.clone(), ty, reads, writes });

@@ -224,7 +224,7 @@ fn alone(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Made, S
     }
     program.inputs.iter_mut().zip(inputs).for_each(|(port, name)| port.field.name = name);
     program.outputs.iter_mut().zip(outputs).for_each(|(port, name)| port.field.name = name);
-    made(program)
+    made(program.with_memory_inside().map_err(|error| reason(&error))?)
 }
 
 pub(super) fn made(program: Program) -> Result<Made, String> {

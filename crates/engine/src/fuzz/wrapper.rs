@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::slice::{Global, Slice};
-use base::text::{Assembly, SourceFile, Span};
+use base::text::{Assembly, Edit, SourceFile, Span};
 use base::value::Shape;
 use syntax::Shader;
 use syntax::symbols::{Direction, FunctionInfo};
@@ -56,6 +56,15 @@ fn leaves(ty: &Type) -> Result<Vec<Leaf>, String> {
         Type::Opaque(_) => Err(format!("`{ty}`, which only a host can give")),
         Type::Scalar(_) | Type::Vector(..) | Type::Matrix(..) => Err(format!("`{ty}`: only 32-bit numbers are fed")),
         Type::Error | Type::Void => Err(format!("`{ty}`")),
+    }
+}
+
+/// True for samplers and images, and for arrays of them.
+fn is_bound(ty: &Type) -> bool {
+    match ty {
+        Type::Opaque(_) => true,
+        Type::Array(element, ArraySize::Known(_)) => is_bound(element),
+        _ => false,
     }
 }
 
@@ -148,7 +157,7 @@ pub fn wrap(shader: &Shader, function: &FunctionInfo, slice: &Slice) -> Result<W
     let mut arguments = Vec::new();
     for (k, param) in function.params.iter().enumerate() {
         let shown = param.name.as_ref().map_or_else(|| format!("argument{}", k + 1), |name| name.name.clone());
-        if let Type::Opaque(_) = param.ty {
+        if is_bound(&param.ty) {
             // A texture is bound, under the name of the parameter where nothing else has it.
             let taken = shader.interface().variables().any(|v| v.name == shown);
             let name = if taken || param.name.is_none() { format!("sc_t{k}") } else { shown };
@@ -178,13 +187,14 @@ pub fn wrap(shader: &Shader, function: &FunctionInfo, slice: &Slice) -> Result<W
     }
     let WrapperText { params, before, after, samplers, inputs, outputs, .. } = text;
     let call = format!("{call}{called}({});", arguments.join(", "));
-    let body = format!("\n{samplers}void {NAME}({}) {{\n{before}  {call}\n{after}}}\n", params.join(", "));
+    let body =
+        [format!("\n{samplers}void {NAME}({}) {{\n{before}", params.join(", ")), format!("  {call}\n{after}}}\n")];
     Ok(Wrapped { file: assemble(shader, slice, function, &body), inputs, outputs })
 }
 
-/// The author's text with the edits of a slice, and the generated function behind it. The version line
-/// stays where it is.
-fn assemble(shader: &Shader, slice: &Slice, function: &FunctionInfo, body: &str) -> SourceFile {
+/// The author's text with the edits of a slice, and the generated function behind it, with what variables start with
+/// between its two parts. The version line stays where it is.
+fn assemble(shader: &Shader, slice: &Slice, function: &FunctionInfo, [before, after]: &[String; 2]) -> SourceFile {
     let file = shader.file();
     let mut edits: Vec<(Span, &str)> = Vec::new();
     if !slice.head.is_empty() {
@@ -193,11 +203,29 @@ fn assemble(shader: &Shader, slice: &Slice, function: &FunctionInfo, body: &str)
     if function.name.name == "main" {
         edits.push((function.name.span, MAIN));
     }
-    edits.extend(slice.edits.iter().map(|e| (e.span, e.replacement.as_str())));
+    edits.extend(replaced(&slice.edits));
     edits.sort_by_key(|(span, _)| (span.start, span.end));
     let mut assembly = Assembly::new();
-    let mut at = 0;
-    for (span, replacement) in edits {
+    edited(&mut assembly, file, Span::new(0, file.text().len()), &edits);
+    let here = function.name.span.start;
+    assembly.insert(before, file, here);
+    for late in &slice.late {
+        assembly.insert(&format!("  {} = ", late.name), file, late.value.start);
+        edited(&mut assembly, file, late.value, &replaced(&late.edits).collect::<Vec<_>>());
+        assembly.insert(";\n", file, late.value.end);
+    }
+    assembly.insert(after, file, here);
+    assembly.finish(file.name())
+}
+
+fn replaced(edits: &[Edit]) -> impl Iterator<Item = (Span, &str)> {
+    edits.iter().map(|edit| (edit.span, edit.replacement.as_str()))
+}
+
+/// Copies a part of a text with edits, which are in order; of those that overlap the first counts.
+fn edited(assembly: &mut Assembly, file: &SourceFile, part: Span, edits: &[(Span, &str)]) {
+    let mut at = part.start;
+    for (span, replacement) in edits.iter().filter(|(span, _)| part.start <= span.start) {
         if span.start < at {
             continue;
         }
@@ -205,9 +233,7 @@ fn assemble(shader: &Shader, slice: &Slice, function: &FunctionInfo, body: &str)
         assembly.insert(replacement, file, span.start);
         at = span.end;
     }
-    assembly.copy(file, Span::new(at, file.text().len()));
-    assembly.insert(body, file, function.name.span.start);
-    assembly.finish(file.name())
+    assembly.copy(file, Span::new(at, part.end));
 }
 
 #[cfg(test)]
@@ -236,6 +262,21 @@ mod tests {
         assert_eq!(all.file.locate(at), "a.glsl:6:1");
         let bound = wrapped("a.glsl", "vec4 f(sampler2D t) { return vec4(0.0); }", "f").unwrap();
         assert!(bound.file.text().contains("uniform sampler2D t;") && bound.file.text().contains("f(t)"));
+    }
+
+    #[test]
+    fn a_variable_that_starts_with_an_input_gets_its_value_behind_it() {
+        let text = "#version 330\nuniform vec2 size;\nfloat two = 2.0;\nfloat wide = size.x * two, half_ = wide / gl_FragCoord.x;\n\
+                    float f(float x) { return x / half_; }\nout float o;\nvoid main() { o = f(1.0); }\n";
+        let all = wrapped("a.frag", text, "f").unwrap();
+        let text = all.file.text();
+        assert!(text.contains("float two = 2.0;\nfloat wide , half_ ;"), "{text}");
+        assert!(
+            text.contains("  wide = size.x * two;\n  half_ = wide / sc_gl_FragCoord.x;\n  float sc_r = f("),
+            "{text}"
+        );
+        let at = text.find("size.x * two;").unwrap();
+        assert_eq!(all.file.locate(at), "a.frag:4:14");
     }
 
     #[test]

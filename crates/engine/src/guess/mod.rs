@@ -53,6 +53,18 @@ const SETTING: &str = "a setting";
 /// What a place on the screen is called.
 pub const SCREEN: &str = "a place on the screen";
 
+/// What a number is taken for that nothing explains.
+pub const ANY: &str = "any number";
+/// What a matrix is taken for that nothing explains.
+const ANY_MATRIX: &str = "any matrix";
+const WHOLE: &str = "a small whole number";
+const PROJECTION: &str = "a projection";
+const COEFFICIENT: &str = "a coefficient";
+
+/// What an input is taken for of which names say little: what it is worth in a program may be something else.
+const UNSURE: [&str; 9] =
+    [ANY, ANY_MATRIX, WHOLE, PROJECTION, COEFFICIENT, SETTING, words::SHARE, words::SIZE, words::PIXELS];
+
 /// Centres of texels that the smallest texture of a run has, and their neighbours two texels away.
 const TEXELS: [f64; 2] = [2.5, 5.5];
 
@@ -67,6 +79,14 @@ impl Guess {
             _ => return None,
         };
         Some(Self { range: Some(range), ..self.clone() })
+    }
+
+    /// True where the name says what comes: a colour has several components, and what a host sets for a whole draw is no
+    /// place in a texture.
+    pub fn is_sure(&self, shape: Shape, uniform: bool) -> bool {
+        let scalar = shape.words() == 1;
+        let unsure = UNSURE.contains(&self.taken_for) || scalar && self.taken_for == words::COLOUR;
+        !(unsure || uniform && self.taken_for == words::TEXTURE_COORDINATES)
     }
 
     /// True where both ends of the range are values like others.
@@ -120,7 +140,7 @@ fn matrix(name: &str, shape: Shape) -> Guess {
     let words = syntax::words::words(name);
     let has = |parts: &[&str]| parts.iter().any(|part| plain.contains(part));
     let is = |whole: &[&str]| words.iter().any(|word| whole.contains(&word.as_str()));
-    let any = || guess("interval", Some([-2.0, 2.0]), "any matrix");
+    let any = || guess("interval", Some([-2.0, 2.0]), ANY_MATRIX);
     if has(&["normal"]) || is(&["nm"]) {
         return if element == Shape::MAT4 {
             guess("affine", Some([-2.0, 2.0]), NORMAL_MATRIX)
@@ -138,7 +158,7 @@ fn matrix(name: &str, shape: Shape) -> Guess {
     let projects =
         has(&["proj", "mvp", "lightspace", "shadow", "clip"]) || is(&["p", "vp", "pv", "pvm", "wvp", "persp"]);
     if projects {
-        guess("projection", Some([-2.0, 2.0]), "a projection")
+        guess("projection", Some([-2.0, 2.0]), PROJECTION)
     } else if has(&["bone", "joint", "skin"]) {
         guess("rigid", None, "matrices of bones")
     } else if has(&["rot", "orient"]) {
@@ -191,10 +211,10 @@ fn narrowed(found: Guess, shape: Shape, uses: &Uses) -> Guess {
 fn by_type(shape: Shape, role: Role) -> Guess {
     match shape.scalar {
         Scalar::Bool => guess("index", Some([0.0, 1.0]), "a switch"),
-        Scalar::I32 | Scalar::U32 => guess("index", Some([0.0, 3.0]), "a small whole number"),
+        Scalar::I32 | Scalar::U32 => guess("index", Some([0.0, 3.0]), WHOLE),
         // What a host sets and no name explains is a strength, a speed, a number of times: above 0.
         Scalar::F32 if shape.words() == 1 && role == Role::Uniform => guess("interval", Some([0.0625, 2.0]), SETTING),
-        Scalar::F32 => guess("interval", Some([-2.0, 2.0]), "any number"),
+        Scalar::F32 => guess("interval", Some([-2.0, 2.0]), ANY),
     }
 }
 

@@ -129,7 +129,7 @@ const WORDS: &[(&[&str], Guess)] = &[
     (&["gamma"], guess("interval", Some([1.5, 3.0]), "an exponent of a display")),
     (
         &["constant", "linear", "quadratic", "attenuation", "falloff", "density"],
-        guess("interval", Some([0.01, 1.0]), "a coefficient"),
+        guess("interval", Some([0.01, 1.0]), super::COEFFICIENT),
     ),
     (&["bias", "epsilon", "eps"], guess("interval", Some([0.000_1, 0.05]), "a small offset")),
     (&["mouse", "cursor"], guess("interval", Some([0.0, 511.0]), "a place on the screen")),
