@@ -4,6 +4,7 @@ mod job;
 mod known;
 mod reproducible;
 mod stub;
+mod switches;
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -161,9 +162,15 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     let mut hosts = Hosts::default();
     let (files, searched) = below::shaders(&args.files, |_| true)?;
     let mut read = Vec::new();
+    let prelude = || super::prelude(args.prelude.as_deref());
     for path in &files {
         match includes::read_all(path, &reading, stage) {
-            Ok(texts) => read.extend(texts),
+            Ok(texts) => {
+                let again = args.case.is_none() && !args.reproducible && !args.write_suite;
+                let more = if again { switches::more((path, stage), &reading, &prelude, &texts) } else { Vec::new() };
+                read.extend(texts.into_iter().map(|text| (text, false)));
+                read.extend(more.into_iter().map(|text| (text, true)));
+            }
             // One file of many does not keep the others from being run.
             Err(error) if searched => writeln!(err, "left out: {error:#}")?,
             Err(error) => return Err(error),
@@ -171,8 +178,11 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     }
     let sources: Vec<IncludedText> = read
         .into_iter()
-        .map(|source| source.with_prelude(super::prelude(args.prelude.as_deref())))
-        .map(|source| source.assuming(&args.input.define, &mut hosts))
+        .map(|(source, again)| {
+            // What is read once more was completed there.
+            let around = if again { source } else { source.with_prelude(prelude()) };
+            if again { around } else { around.assuming(&args.input.define, &mut hosts) }
+        })
         .collect();
     if args.reproducible {
         anyhow::ensure!(shard.is_none(), "--reproducible looks at all functions in one run: leave out --shard");
@@ -242,10 +252,11 @@ pub(super) fn subjects(
                     errors.splice(0..0, found);
                 }
                 let mut subjects = Vec::new();
-                if let Some(first) = errors.first().filter(|_| reading::open::is_rewritten(source.file.text())) {
-                    return Ok((Vec::new(), vec![without_at(source, "its engine rewrites declarations", first)]));
-                }
-                if let Some(open) = source.open() {
+                let rewritten = reading::open::is_rewritten(source.file.text());
+                if let Some(first) = errors.first().filter(|_| rewritten) {
+                    subjects.push(without_at(source, "its engine rewrites declarations", first));
+                    errors.clear();
+                } else if let Some(open) = source.open() {
                     let (slips, others): (Vec<_>, Vec<_>) = errors.into_iter().partition(|error| source.is_slip(error));
                     subjects.extend(others.into_iter().next().map(|error| without(source, open, &error.at_origin())));
                     errors = slips;
@@ -253,12 +264,15 @@ pub(super) fn subjects(
                 let told: Vec<Diagnostic> =
                     errors.into_iter().map(Diagnostic::at_origin).map(|d| source.explained(d)).collect();
                 // Where some functions do not compile, the others run.
-                if let Some((text, broken)) = spared::module(source).filter(|_| subjects.is_empty()) {
+                if let Some((text, broken)) = spared::module(source, !subjects.is_empty()) {
                     known.extend(text.points().into_iter().chain(text.functions()).map(|one| one.name));
                     let wanted = |name: &str| wanted(name) && !source.is_assumed(name);
                     let rest = fuzz::subjects_of_module(&text, &source.values(&text, define), &wanted);
-                    subjects = rest.map_err(unstated)?;
-                    subjects.extend(broken.subjects().filter(|one| wanted(&one.name)));
+                    let rest: Vec<Subject> = rest.map_err(unstated)?;
+                    if subjects.is_empty() || rest.iter().any(|one| one.ready.is_ok() || one.dispatch.is_some()) {
+                        subjects = rest;
+                        subjects.extend(broken.subjects().filter(|one| wanted(&one.name)));
+                    }
                 }
                 return Ok((told, subjects));
             }
@@ -286,22 +300,23 @@ pub(super) fn subjects(
     // Of a piece, what is wrong beside what it lacks comes first; a text in another language is told where it is named.
     let first_told = |error: &Diagnostic| [errors::INCLUDE, errors::OTHER_LANGUAGE].contains(&error.code);
     let is_told = errors.iter().any(first_told) || !parsed.shader.lacking().is_empty();
-    let first = errors.iter().find(|error| is_of_host(error));
-    if let Some(first) = first.filter(|_| unsure) {
-        return Ok((Vec::new(), vec![without_at(source, "its host has to make it a whole shader", first)]));
-    }
+    let of_host = errors.iter().find(|error| is_of_host(error)).filter(|_| unsure).cloned();
     if !errors.is_empty() {
         // Where some functions do not compile, the others run.
         let mut subjects = Vec::new();
-        if let Some((shader, broken)) = spared::shader(source, parsed.shader, &errors, define) {
+        if let Some((shader, broken)) = spared::shader(source, &parsed.shader, &errors, (define, of_host.is_some())) {
             let wanted = |name: &str| wanted(name) && !source.is_assumed(name);
             subjects = fuzz::subjects(&shader, &wanted).map_err(unstated)?;
             subjects.extend(broken.subjects().filter(|one| wanted(&one.name)));
             known.extend(subjects.iter().flat_map(|one| [one.label.clone(), one.name.clone()]));
         }
-        if let Some(first) = errors.first().filter(|_| unsure && !is_told) {
-            if subjects.is_empty() {
-                subjects.push(without_at(source, "its version, extensions or host decide", first));
+        let why = match &of_host {
+            Some(first) => Some(("its host has to make it a whole shader", first)),
+            None => errors.first().filter(|_| unsure && !is_told).map(|first| (HOST_DECIDES, first)),
+        };
+        if let Some((why, first)) = why {
+            if subjects.iter().all(|subject| subject.ready.is_err()) {
+                subjects = vec![without_at(source, why, first)];
             }
             return Ok((Vec::new(), subjects));
         }
@@ -317,6 +332,9 @@ pub(super) fn subjects(
     known.extend(subjects.iter().map(|s| s.label.clone()));
     Ok((errors, subjects))
 }
+
+/// Why a text is not run that lint does not call wrong either.
+const HOST_DECIDES: &str = "its version, extensions or host decide";
 
 /// [`without`] for one reason, with the place of the first error.
 fn without_at(source: &IncludedText, why: &str, first: &Diagnostic) -> Subject {

@@ -49,6 +49,10 @@ pub struct IncludedText {
     open: Option<String>,
     /// Functions whose findings rest on what is taken for what its host fills in.
     resting: Vec<String>,
+    /// Functions that are run elsewhere, for a text that is read once more.
+    known: Vec<String>,
+    /// True for one that is read once more, with names that its host may define.
+    again: bool,
 }
 
 /// Reads a file and what it includes: `"path"` beside the file that asks and then in the stated folders, `<path>` in
@@ -105,6 +109,8 @@ pub fn with_includes(file: &SourceFile, path: &Path, given: &Given<'_>) -> anyho
         made_up: Vec::new(),
         open: None,
         resting: Vec::new(),
+        known: Vec::new(),
+        again: false,
     })
 }
 
@@ -201,11 +207,8 @@ impl IncludedText {
         let plain = Shader::parse_with(&self.file, self.stage, defines).shader;
         if let Some(es) = reading::es::reading(&plain) {
             let names: Vec<String> = es.shader.defines().iter().map(|(name, _)| format!("`{name}`")).collect();
-            let names = names.join(", ");
-            return Some(format!(
-                "`{}` asks for OpenGL ES: it is read with {names} defined, as a phone reads it",
-                self.name
-            ));
+            let defined = if names.is_empty() { String::new() } else { format!(" with {} defined", names.join(", ")) };
+            return Some(format!("`{}` asks for OpenGL ES: it is read{defined} as a phone reads it", self.name));
         }
         if self.stage != Stage::Compute || plain.version().span.is_some() {
             return None;
@@ -307,9 +310,21 @@ impl IncludedText {
         self.open.as_deref()
     }
 
-    /// True for a function that stands for one that the text lacks.
+    /// The same with names that its host may define, for the functions alone that are not `known`.
+    #[must_use]
+    pub fn switched(mut self, switches: &[(String, String)], known: &[String]) -> Self {
+        self.completed.assumed.splice(0..0, switches.iter().cloned());
+        Self { known: known.to_vec(), again: true, ..self }
+    }
+
+    /// Declarations that stand for what the text lacks.
+    pub fn made_up(&self) -> usize {
+        self.completed.declared.len()
+    }
+
+    /// True for a function that stands for one that the text lacks, and for one that is run elsewhere.
     pub fn is_assumed(&self, function: &str) -> bool {
-        self.completed.is_assumed(function)
+        self.completed.is_assumed(function) || self.known.iter().any(|known| known == function)
     }
 
     /// True for an input that stands for a name which the text lacks.
@@ -321,7 +336,7 @@ impl IncludedText {
     pub fn softened(&self, mut function: FunctionReport) -> FunctionReport {
         self.completed.soften(&mut function);
         let is_assumed = self.joined.as_ref().is_some_and(Joined::is_assumed) || self.completed.is_sized();
-        if is_assumed || self.resting.contains(&function.function) {
+        if is_assumed || self.again || self.resting.contains(&function.function) {
             function.as_warnings();
         }
         if is_assumed {

@@ -1,4 +1,5 @@
-//! What can be run of a piece in which some functions do not compile: the others. A whole shader is refused.
+//! What can be run of a piece in which some functions do not compile: the others. A whole shader is refused, unless its host
+//! has a hand in what does not compile.
 
 use super::includes::{IncludedText, read_glsl};
 use base::diagnostic::{Diagnostic, Severity};
@@ -34,61 +35,76 @@ impl LeftOut {
         })
     }
 
-    /// The text without the functions in which errors stand; none where one stands elsewhere.
-    fn without(&mut self, shader: &Shader, errors: &[Diagnostic]) -> Option<SourceFile> {
+    /// The text without the functions in which errors stand; none where one stands elsewhere. Of a text that is `open` other
+    /// declarations go as well, and lines that a host reads.
+    fn without(&mut self, shader: &Shader, errors: &[Diagnostic], open: bool) -> Option<SourceFile> {
         let file = shader.file();
-        let functions = shader.unit().items.iter().filter_map(|item| match &item.kind {
-            ItemKind::Function(function) if function.body.is_some() => Some((function.name.name.as_str(), item.span)),
-            _ => None,
+        let items = shader.unit().items.iter().filter_map(|item| match &item.kind {
+            ItemKind::Function(function) if function.body.is_some() => Some((Some(&function.name.name), item.span)),
+            _ => open.then_some((None, item.span)),
         });
-        let functions: Vec<(&str, Span)> = functions.collect();
-        let mut broken = Vec::new();
+        let items: Vec<(Option<&String>, Span)> = items.collect();
+        let mut gone: Vec<Span> = Vec::new();
         for error in errors {
-            let at = functions.iter().position(|(_, span)| error.file == *file && span.contains(error.span.start))?;
-            if !broken.contains(&at) {
-                broken.push(at);
-                self.0.push((functions[at].0.to_owned(), error.clone()));
+            let at = error.span.start;
+            let own = error.file == *file;
+            if open && own && error.code == errors::UNKNOWN_DIRECTIVE {
+                gone.push(line_of(file.text(), at));
+                continue;
+            }
+            let (name, span) = items.iter().find(|(_, span)| own && span.contains(at))?;
+            if !gone.contains(span) {
+                gone.push(*span);
+                self.0.extend(name.map(|name| (name.clone(), error.clone())));
             }
         }
+        gone.sort_by_key(|span| (span.start, std::cmp::Reverse(span.end)));
         let mut assembly = Assembly::new();
         let mut from = 0;
-        for (k, (_, span)) in functions.iter().enumerate() {
-            if broken.contains(&k) {
+        for span in gone.iter().filter(|span| !span.is_empty()) {
+            if span.start >= from {
                 assembly.copy(file, Span::new(from, span.start));
                 from = span.end;
             }
         }
         assembly.copy(file, Span::new(from, file.text().len()));
-        (!broken.is_empty()).then(|| assembly.finish(file.name()))
+        (from > 0).then(|| assembly.finish(file.name()))
     }
 }
 
-/// The rest of a piece in GLSL whose errors all stand in functions.
+/// The line of a place, without its end.
+fn line_of(text: &str, at: usize) -> Span {
+    let start = text[..at].rfind('\n').map_or(0, |end| end + 1);
+    Span::new(start, text[at..].find('\n').map_or(text.len(), |end| at + end))
+}
+
+/// The rest of a piece in GLSL whose errors all stand in functions, and of a text that is `open` in other declarations as
+/// well: its host puts something in their place.
 pub(super) fn shader(
     source: &IncludedText,
-    shader: Shader,
+    shader: &Shader,
     errors: &[Diagnostic],
-    defines: &[(String, String)],
+    (defines, open): (&[(String, String)], bool),
 ) -> Option<(Shader, LeftOut)> {
     // A whole shader that does not compile is refused.
-    if shader.function("main").is_some() {
+    if !open && shader.function("main").is_some() {
         return None;
     }
     let mut left_out = LeftOut::default();
-    let mut rest = left_out.without(&shader, errors)?;
+    let mut rest = left_out.without(shader, errors, open)?;
     for _ in 0..MOST_ROUNDS {
         let Parsed { shader, mut diagnostics } = read_glsl(&rest, source.stage, defines);
         diagnostics.retain(|d| d.severity == Severity::Error && d.code != errors::MISSING_MAIN);
         if diagnostics.is_empty() {
             return Some((shader, left_out));
         }
-        rest = left_out.without(&shader, &diagnostics)?;
+        rest = left_out.without(&shader, &diagnostics, open)?;
     }
     None
 }
 
-/// The same for a module in WGSL, of which one error is told at a time.
-pub(super) fn module(source: &IncludedText) -> Option<(ModuleText, LeftOut)> {
+/// The same for a module in WGSL, of which one error is told at a time. A whole one is refused unless it is `open`.
+pub(super) fn module(source: &IncludedText, open: bool) -> Option<(ModuleText, LeftOut)> {
     if Written::of(&source.file) != Written::Wgsl {
         return None;
     }
@@ -96,12 +112,12 @@ pub(super) fn module(source: &IncludedText) -> Option<(ModuleText, LeftOut)> {
     let mut file = source.file.clone();
     for _ in 0..MOST_ROUNDS {
         let tree = Shader::parse_wgsl(&file).shader;
-        if tree.wgsl().is_some_and(|module| !module.entry_points.is_empty()) {
+        if !open && tree.wgsl().is_some_and(|module| !module.entry_points.is_empty()) {
             return None;
         }
         match read_module(&file) {
             Ok(text) => return Some((text, left_out)),
-            Err(ProgramError::Source(errors)) => file = left_out.without(&tree, &errors)?,
+            Err(ProgramError::Source(errors)) => file = left_out.without(&tree, &errors, open)?,
             Err(_) => return None,
         }
     }

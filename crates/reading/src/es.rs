@@ -44,5 +44,9 @@ pub fn without_highp(shader: &Shader) -> Option<Parsed> {
 /// The same for commands that run shaders: none where the text does not hold so.
 pub fn reading(shader: &Shader) -> Option<Parsed> {
     let holds = |parsed: &Parsed| !parsed.diagnostics.iter().any(|d| d.severity == Severity::Error);
-    parsed(shader).filter(holds)
+    let found = parsed(shader).filter(holds)?;
+    // What is run is read from its text, which says its version then.
+    let version = found.shader.version().clone();
+    let text = (version.number > 100).then(|| syntax::stated(shader, &version));
+    Some(text.map_or(found, |text| Shader::parse_with(&text, shader.stage(), shader.defines())))
 }

@@ -82,7 +82,7 @@ pub fn fitting(
 }
 
 /// The text of a shader under another version. Positions lead back to the file.
-pub(super) fn stated(shader: &Shader, version: &Version) -> SourceFile {
+pub fn stated(shader: &Shader, version: &Version) -> SourceFile {
     let number = version.number;
     let line = match version.profile {
         Profile::Core => format!("#version {number}\n"),

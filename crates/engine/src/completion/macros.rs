@@ -6,6 +6,7 @@
 //! A macro of several arguments is taken from host code and build files and never assumed: it has a meaning that must
 //! not be invented.
 
+use lanes::interrupt;
 use program::{WIDE_BYTES, WORKGROUP_SIZE};
 use syntax::{Lacks, Parsed, TokenKind, TokenPlace};
 
@@ -198,8 +199,8 @@ fn improve(
             continue;
         }
         for other in 0..choices[k].options.len() {
-            if left == 0 {
-                return 0;
+            if left == 0 || interrupt::asked() {
+                return left;
             }
             let before = std::mem::replace(&mut choices[k].at, other);
             let now = if other == before { left } else { errors(&parse(&values(choices))) };

@@ -2,6 +2,7 @@
 
 use base::diagnostic::{Code, Diagnostic, Severity};
 use base::text::Span;
+use lanes::interrupt;
 use syntax::ast::{Callee, Expr, ExprId, ExprKind, Item, ItemKind, TypeKind};
 use syntax::errors;
 use syntax::symbols::{Symbol, SymbolId, SymbolKind};
@@ -241,7 +242,7 @@ impl<'p> Search<'p> {
     }
 
     fn is_done(&self) -> bool {
-        self.done.declared.len() >= MOST || self.read >= MOST_READ
+        self.done.declared.len() >= MOST || self.read >= MOST_READ || interrupt::asked()
     }
 
     /// Declares the types that are lacking and of which members are asked for.

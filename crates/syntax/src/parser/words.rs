@@ -209,8 +209,13 @@ impl Words {
     }
 }
 
+/// True for a word that became a keyword in a later version than the first.
+pub fn is_late_keyword(word: &str) -> bool {
+    LATE.iter().any(|(late, _)| *late == word)
+}
+
 /// True when a word is a keyword in some version.
-fn is_keyword(word: &str) -> bool {
+pub fn is_keyword(word: &str) -> bool {
     STATEMENTS.contains(&word)
         || QUALIFIERS.contains(&word)
         || matches!(word, "struct" | "precision" | "true" | "false")
