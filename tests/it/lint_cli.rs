@@ -47,6 +47,25 @@ fn codes(ran: &Ran) -> Vec<String> {
         .collect()
 }
 
+/// A slip in a file that others include: every word is known, so that no macro of a host stands there.
+#[test]
+fn a_slip_in_a_piece_is_an_error_unless_a_word_of_it_may_be_a_macro() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |text: &str| std::fs::write(folder.path().join("a.glsl"), text).unwrap();
+    write("float g(float x) { return x; }\nfloat h(float x) { return g(x) }\n");
+    let ran = run_in(folder.path(), "lint a.glsl").expect(1);
+    assert!(ran.out.contains("error[E001]") && ran.out.contains("a.glsl:2:"), "{ran:?}");
+    for right in [
+        "float h(float x) { return WEIGHT(x) END }\n",
+        "float h(float x) { DECLARE(x) return x; }\n",
+        "float h(float x) { return x; }\n",
+        "#extension GL_OF_HOST : enable\nfloat h(float sample) { float x = 2.0 * sample; return x; }\n",
+    ] {
+        write(right);
+        run_in(folder.path(), "lint a.glsl").expect(0);
+    }
+}
+
 #[test]
 fn the_nearest_configuration_holds_and_options_go_before_it() {
     let folder = folder(&[

@@ -1,28 +1,52 @@
 //! Where the files lie that `#include` names.
 
+use std::collections::HashMap;
 use std::io::{Error, ErrorKind};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
+use std::sync::{LazyLock, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use crate::elsewhere::{plain, refusal};
-use crate::modules::{ancestors, outwards};
+use crate::modules::{ancestors, below, outwards};
 use crate::read_source;
 use base::text::{Shown, SourceFile, decode};
 use syntax::include::Wanted;
 
-/// The folders around a file up to that of its project; where nothing shows a project, up to the one that we are in.
-fn below_here(folder: &Path) -> Vec<PathBuf> {
+/// The folders around a file up to that of its project; where nothing shows a project, up to the one that we are in. With the
+/// last one, unless neither is known.
+fn below_here(folder: &Path) -> (Vec<PathBuf>, Option<PathBuf>) {
     let (mut found, project) = outwards(folder);
     let here = || found.iter().position(|folder| folder.as_os_str() == ".");
     match project.or_else(here) {
         Some(last) => found.truncate(last + 1),
-        None => return ancestors(folder),
+        None => return (ancestors(folder), None),
     }
-    found
+    let last = found.last().cloned();
+    (found, last)
 }
 
+/// True for a file of the project, but for what it hides: `.git` and `.env` hold what no message may quote.
+fn is_of(project: &Path, path: &Path) -> bool {
+    let shown = |part: Component<'_>| !part.as_os_str().to_string_lossy().starts_with('.');
+    let (Ok(project), Ok(path)) = (project.canonicalize(), path.canonicalize()) else { return false };
+    path.strip_prefix(project).is_ok_and(|rest| rest.components().all(shown))
+}
+
+/// True for a text in which a line begins as one of a shader does: a key and a list of passwords have none.
+fn has_code(bytes: &[u8]) -> bool {
+    let begins = |line: &str| {
+        let word = line.trim_start().split(|c: char| !c.is_ascii_alphanumeric() && c != '#').next().unwrap_or("");
+        ["#define", "#ifdef", "#ifndef", "#include", "struct"].contains(&word) || syntax::is_keyword(word)
+    };
+    String::from_utf8_lossy(bytes).lines().any(begins)
+}
+
+/// What is said where no file lies.
+const ABSENT: [ErrorKind; 3] = [ErrorKind::NotFound, ErrorKind::NotADirectory, ErrorKind::IsADirectory];
+
 /// The file that an `#include` asks for; none where there is none. One by `"path"` is looked for beside the file that asks
-/// first, and each in the folders, and then in those around the file. One that lies in none of `within` is read where it is a
-/// shader by its ending.
+/// first, and each in the folders, and then in those around the file, and in the whole project at last. One that lies in none of `within` and is not of the same
+/// project is read where it is a shader by its ending.
 ///
 /// # Errors
 /// Why a file is not read that is there.
@@ -34,15 +58,82 @@ pub fn included(wanted: &Wanted, folders: &[PathBuf], within: &[&Path]) -> Resul
     // Hosts that join the texts name files from the folder of all shaders, which is one around them.
     let here = Path::new(".");
     let from = own.map(|folder| if folder.as_os_str().is_empty() { here } else { folder });
-    let around = from.into_iter().flat_map(below_here).skip(usize::from(wanted.quoted));
+    let (around, project) = from.map(below_here).unwrap_or_default();
+    let around = around.into_iter().skip(usize::from(wanted.quoted));
     for folder in beside.iter().cloned().chain(folders.iter().cloned()).chain(around) {
         let path = if folder.as_os_str().is_empty() { PathBuf::from(path) } else { folder.join(path) };
-        let refusal = || refusal(&path, within).map(|why| Error::new(ErrorKind::InvalidInput, why));
-        match read_source(&path).and_then(|bytes| refusal().map_or(Ok(bytes), Err)) {
+        let refused = |bytes: &[u8]| {
+            let own = || project.as_ref().is_some_and(|project| is_of(project, &path)) && has_code(bytes);
+            let why = refusal(&path, within).filter(|_| !own());
+            why.map(|why| Error::new(ErrorKind::InvalidInput, why))
+        };
+        match read_source(&path).and_then(|bytes| refused(&bytes).map_or(Ok(bytes), Err)) {
             Ok(bytes) => return decode(&plain(&path), &bytes).map(|d| Some(d.file)).map_err(|e| e.to_string()),
-            Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {}
+            // `<common>` is a name of the host, whatever folder has it.
+            Err(error) if ABSENT.contains(&error.kind()) => {}
             Err(error) => return Err(format!("{}: {error}", path.shown())),
         }
     }
-    Ok(None)
+    let read = |path: PathBuf| Some(decode(&plain(&path), &read_source(&path).ok()?).ok()?.file);
+    Ok(project.and_then(|project| only_one(&project, Path::new(path))).and_then(read))
+}
+
+/// How long a list of files is taken for what lies there.
+const FRESH: Duration = Duration::from_secs(4);
+
+/// The file of a project whose path ends like this, where no other does: a build file or the host states the folder.
+fn only_one(project: &Path, wanted: &Path) -> Option<PathBuf> {
+    type Lists = Mutex<HashMap<PathBuf, (Instant, Vec<PathBuf>)>>;
+    static LISTS: LazyLock<Lists> = LazyLock::new(Lists::default);
+    let plain = wanted.components().all(|part| matches!(part, Component::Normal(_)));
+    wanted.extension().filter(|_| plain)?;
+    let mut lists = LISTS.lock().unwrap_or_else(PoisonError::into_inner);
+    let listed = || (Instant::now(), below(project, &|path| path.extension().is_some()));
+    let list = lists.entry(project.to_owned()).or_insert_with(listed);
+    if list.0.elapsed() > FRESH {
+        *list = listed();
+    }
+    let mut found = list.1.iter().filter(|path| path.ends_with(wanted));
+    let first = found.next()?;
+    found.next().is_none().then(|| first.clone())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use base::text::Span;
+
+    #[test]
+    fn a_file_of_the_project_is_read_whatever_its_ending_and_what_is_hidden_is_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::create_dir_all(at(".git")).unwrap();
+        std::fs::create_dir_all(at("shaders/common")).unwrap();
+        for file in ["shaders/a.settings", "shaders/.env", ".git/config", "b.sh"] {
+            std::fs::write(at(file), "const int A = 1;\n").unwrap();
+        }
+        let of = |path: &str| {
+            let from = SourceFile::new(at("shaders/programs/a.frag").display().to_string(), "");
+            let wanted = Wanted { from, path: path.to_owned(), quoted: true, import: false, span: Span::at(0) };
+            included(&wanted, &[], &[&at("shaders/programs")])
+        };
+        std::fs::create_dir_all(at("shaders/programs")).unwrap();
+        for path in ["/a.settings", "../a.settings", "../../b.sh"] {
+            assert!(of(path).is_ok_and(|found| found.is_some()), "{path}");
+        }
+        std::fs::write(at("shaders/secret.key"), "-----BEGIN PRIVATE KEY-----\nMIIE\n").unwrap();
+        for path in ["../.env", "../../.git/config", "../secret.key"] {
+            assert!(of(path).is_err_and(|why| why.contains("its ending")), "{path}");
+        }
+        // The only one of the project that ends so; of two neither is meant.
+        std::fs::create_dir_all(at("lib/one")).unwrap();
+        std::fs::create_dir_all(at("lib/two")).unwrap();
+        for file in ["lib/one/noise.glsl", "lib/one/wind.glsl", "lib/two/wind.glsl"] {
+            std::fs::write(at(file), "const int A = 1;\n").unwrap();
+        }
+        let found = ["noise.glsl", "one/noise.glsl", "wind.glsl", "two/wind.glsl", "two/noise.glsl"];
+        assert_eq!(found.map(|path| of(path).unwrap().is_some()), [true, true, false, true, false]);
+        // A folder is no file; hosts have names such as `common`.
+        assert!(of("/common").is_ok_and(|found| found.is_none()));
+    }
 }

@@ -250,8 +250,13 @@ fn stated_root(folders: &[PathBuf]) -> Option<PathBuf> {
     Some(folder.join(root.as_str()?))
 }
 
-/// Files with modules below a folder. Hidden folders and those of build tools are left out.
+/// Files with modules below a folder.
 fn files_below(folder: &Path) -> Vec<PathBuf> {
+    below(folder, &has_ending)
+}
+
+/// Files below a folder. Hidden folders and those of build tools are left out.
+pub(crate) fn below(folder: &Path, keep: &dyn Fn(&Path) -> bool) -> Vec<PathBuf> {
     let (mut open, mut found, mut seen) = (vec![folder.to_owned()], Vec::new(), 0);
     while let Some(folder) = open.pop() {
         let Ok(entries) = std::fs::read_dir(&folder) else { continue };
@@ -266,7 +271,7 @@ fn files_below(folder: &Path) -> Vec<PathBuf> {
             let hidden = name.starts_with('.') || matches!(name.as_str(), "target" | "node_modules");
             match kind {
                 Ok(kind) if kind.is_dir() && !hidden => open.push(path),
-                Ok(kind) if kind.is_file() && has_ending(&path) => found.push(path),
+                Ok(kind) if kind.is_file() && keep(&path) => found.push(path),
                 _ => {}
             }
         }

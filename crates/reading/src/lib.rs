@@ -19,6 +19,7 @@ pub mod program;
 mod project;
 pub mod relocate;
 mod settled;
+mod slip;
 pub mod variants;
 
 pub use composed::{Composed, Composer};

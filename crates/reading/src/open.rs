@@ -17,6 +17,7 @@ use syntax::{BuiltinFunction, Profile, Shader, Stage, Token, TokenKind, TokenPla
 use super::conditions::{self, Conditions};
 use super::dialect;
 use super::project::{Project, ShaderFile};
+use super::slip;
 use hosts::{HostFile, marks};
 
 /// Those of the errors of a text that its host may take away. `stated` is what the host is known to add nothing to.
@@ -140,6 +141,9 @@ impl<'a> Surroundings<'a> {
     fn rests(&self, error: &Diagnostic) -> Around {
         let file = self.shader.file();
         let mut rests = rests(error);
+        if slip::is_plain(self.shader, error) {
+            rests.remove(Around::GRAMMAR | Around::VALUES | Around::WHOLE);
+        }
         // Where more than the version is stated elsewhere, so may a name be.
         if is_slip(error) && !self.open.contains(Around::ENABLED) {
             rests.remove(Around::NAMES);

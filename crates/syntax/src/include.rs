@@ -232,7 +232,15 @@ fn path_of(text: &str, import: bool) -> Option<(&str, bool)> {
             let end = text.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(text.len());
             (&text[..end], &text[end..], false)
         }
-        _ => return None,
+        // Some hosts read a path without quotes; a name alone may be a macro.
+        _ => {
+            let (path, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
+            let plain = path.chars().all(|c| c.is_alphanumeric() || "_-./".contains(c));
+            if !plain || !path.contains('.') {
+                return None;
+            }
+            (path, rest, true)
+        }
     };
     // Something of what the file has, or a name for it, makes it a module.
     let rest = rest.trim_start();

@@ -213,8 +213,10 @@ pub(crate) fn lex_with(text: &str, comments: CommentStyle) -> Pieces {
     let mut out = Pieces::default();
     let (mut first, mut spaced) = (true, true);
     // A byte order mark at the start is no part of the text.
-    let skip = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
-    for (token, range) in Lex::lexer_with_extras(&text[skip..], comments).spanned() {
+    let mark = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
+    let inside = in_raw_string(&text[mark..]).unwrap_or(&text[mark..]);
+    let skip = inside.as_ptr().addr() - text.as_ptr().addr();
+    for (token, range) in Lex::lexer_with_extras(inside, comments).spanned() {
         let span = Span::new(range.start + skip, range.end + skip);
         let lex = token.unwrap_or(Lex::Unknown);
         match lex {
@@ -253,6 +255,14 @@ pub(crate) fn lex_with(text: &str, comments: CommentStyle) -> Pieces {
         }
     }
     out
+}
+
+/// The inside of a text that is a raw string of C++ as a whole, which a host includes: `R"glsl(…)glsl"`.
+fn in_raw_string(text: &str) -> Option<&str> {
+    let (delimiter, rest) = text.trim_start().strip_prefix("R\"")?.split_once('(')?;
+    let is_name = delimiter.len() <= 16 && delimiter.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    let rest = rest.trim_end().trim_end_matches(';').trim_end();
+    rest.strip_suffix('"')?.strip_suffix(delimiter)?.strip_suffix(')').filter(|_| is_name)
 }
 
 /// True for a comment that is a path and nothing else, `//VTK::Light::Impl`: a host puts something in its place.
@@ -330,5 +340,14 @@ mod tests {
     fn an_open_comment_is_noticed() {
         assert_eq!(lex("a /* b").open_comment, Some(Span::new(2, 4)));
         assert_eq!(lex("a /* b */").open_comment, None);
+    }
+
+    #[test]
+    fn a_raw_string_is_read_inside() {
+        for text in ["R\"(\nint a;\n)\"", "\u{feff}R\"glsl(int a;)glsl\"\n", "  R\"(int a;)\";\n"] {
+            assert_eq!(words(text), ["int", "a", ";"], "{text}");
+        }
+        assert_eq!(words("R\"(int a;")[..2], ["R", "\""]);
+        assert_eq!(words("R(a) + \"b\"")[..2], ["R", "("]);
     }
 }

@@ -60,6 +60,9 @@ fn a_translation_and_a_first_suite_hold_what_is_included() {
     let folder = project("float far(float x) { return 3.0 * x; }\n");
     let ran = run_in(folder.path(), "translate f.glsl --entry f --to wgsl -I lib").expect(0);
     assert!(ran.out.contains("fn near") && ran.out.contains("fn far"), "{}", ran.out);
+    // Of two that end so neither is meant.
+    fs::create_dir(folder.path().join("other")).unwrap();
+    fs::copy(folder.path().join("lib/far.glsl"), folder.path().join("other/far.glsl")).unwrap();
     let ran = run_in(folder.path(), "translate f.glsl --entry f --to wgsl").expect(1);
     assert!(ran.err.contains("`far.glsl` is not found") && ran.err.contains("-I FOLDER"), "{}", ran.err);
     fs::remove_file(folder.path().join("f.suite.toml")).unwrap();

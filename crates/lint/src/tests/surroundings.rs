@@ -291,7 +291,11 @@ fn a_name_with_the_mark_of_a_stage_is_read_as_its_text_says() {
         "Program.fs",
         "open Aardvark.Base\n[<EntryPoint>]\nlet main argv =\n    let c = [| C4b.Red |]\n    0\n",
     )]);
-    only_on_request(&[("a.fs", "vec4 shade(vec3 n) {\n  return vec4(n, 1.0)\n}\nfloat g() { return 1.0; }\n")], "E001");
+    by_default(&[("a.fs", "vec4 shade(vec3 n) {\n  return vec4(n, 1.0)\n}\nfloat g() { return 1.0; }\n")], "E001");
+    only_on_request(
+        &[("a.fs", "vec4 shade(vec3 n) {\n  return vec4(n, 1.0) HOST\n}\nfloat g() { return 1.0; }\n")],
+        "E001",
+    );
 }
 
 #[test]

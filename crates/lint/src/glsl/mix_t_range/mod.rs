@@ -6,14 +6,14 @@ use base::diagnostic::{Code, Safety, Severity, message};
 use reading::{Project, ShaderFile};
 use syntax::types::ScalarType;
 
-use analysis::numeric::{around, calls, ends};
+use analysis::numeric::{around, calls, constant, ends};
 
 /// The rule.
 pub const RULE: Rule = Rule {
     code: Code("N012"),
     name: "mix-t-range",
     severity: Severity::Info,
-    level: Level::Strict,
+    level: Level::Default,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::AnyWith(check),
 };
@@ -21,6 +21,11 @@ pub const RULE: Rule = Rule {
 fn beyond(weight: &Range) -> bool {
     let slack = 4.0 * UNIT_SLACK;
     weight.goes_below(-slack, Evidence::Nature) || weight.goes_above(1.0 + slack, Evidence::Nature)
+}
+
+/// At one of the ends or beyond, whatever comes.
+fn never(weight: &Range) -> bool {
+    (weight.lo >= 1.0 && weight.hi > 1.0) || (weight.hi <= 0.0 && weight.lo < 0.0)
 }
 
 fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
@@ -31,15 +36,18 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
         if shader.type_of(*weight).scalar() == Some(ScalarType::Bool) {
             continue;
         }
-        let mut weights = observed.visits(call.id).iter().filter_map(|v| v.operands.get(2)).flat_map(|v| &v.parts);
-        let Some(range) = weights.find(|r| beyond(r)) else { continue };
+        let weights = || observed.visits(call.id).iter().filter_map(|v| v.operands.get(2)).flat_map(|v| &v.parts);
+        // A number that is written there is meant.
+        let never = weights().next().is_some() && weights().all(never) && constant(shader, *weight).is_none();
+        let Some(range) = weights().find(|r| never || beyond(r)) else { continue };
         let (lo, hi) = ends(range);
+        let message = if never {
+            message!("this weight of `mix` is never between 0 and 1", "この `mix` の重みは 0 と 1 の間になりません")
+        } else {
+            message!("this weight of `mix` goes beyond 0 or 1", "この `mix` の重みは 0 から 1 の範囲を超えます")
+        };
         let mut found = findings
-            .at(
-                &file.file,
-                shader.expr(*weight).span,
-                message!("this weight of `mix` goes beyond 0 or 1", "この `mix` の重みは 0 から 1 の範囲を超えます"),
-            )
+            .at(&file.file, shader.expr(*weight).span, message)
             .with_label(message!("from {lo} to {hi}", "{lo} から {hi} まで"))
             .with_why(message!(
                 "`mix` does not clamp: it extrapolates beyond its first two arguments",
@@ -49,7 +57,10 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
         if let Some(edits) = around(shader, call.id, *weight, "clamp(", ", 0.0, 1.0)") {
             found = found.with_fix(message!("clamp the weight", "重みを制限する"), Safety::Unsafe, edits);
         }
-        findings.push(found);
+        if never {
+            found.severity = Severity::Warning;
+        }
+        findings.push_at(if never { Level::Default } else { Level::Strict }, found);
     }
 }
 
@@ -69,6 +80,16 @@ mod tests {
                 "v = mix(p, q, declared);",
                 "v = mix(p, q, normalize(n));",
             ],
+        );
+    }
+
+    #[test]
+    fn a_weight_that_never_lies_between_is_told_without_being_asked_for() {
+        rings("N012", Level::Default, &["v = mix(p, q, pow(2.0, pow(2.0, s)));", "v = mix(p, q, 1.0 + s * s);"]);
+        silent(
+            "N012",
+            Level::Default,
+            &["v = mix(p, q, sin(s));", "v = mix(p, q, 1.5);", "v = mix(p, q, 1.0 - s * s);"],
         );
     }
 
