@@ -74,19 +74,45 @@ pub fn included(wanted: &Wanted, folders: &[PathBuf], within: &[&Path]) -> Resul
             Err(error) => return Err(format!("{}: {error}", path.shown())),
         }
     }
-    let read = |path: PathBuf| Some(decode(&plain(&path), &read_source(&path).ok()?).ok()?.file);
-    Ok(project.and_then(|project| only_one(&project, Path::new(path))).and_then(read))
+    let Some(project) = project else { return Ok(None) };
+    let Some(path) = only_one(&project, path) else { return Ok(None) };
+    let Ok(bytes) = read_source(&path) else { return Ok(None) };
+    let is_read = refusal(&path, within).is_none() || is_of(&project, &path) && has_code(&bytes);
+    Ok(if is_read { decode(&plain(&path), &bytes).ok().map(|decoded| decoded.file) } else { None })
 }
 
 /// How long a list of files is taken for what lies there.
 const FRESH: Duration = Duration::from_secs(4);
 
+/// Folders and the file that the end of a path has at least, where its beginning is a name of the host: `engine://`, `@core/`.
+const LEAST: usize = 3;
+
 /// The file of a project whose path ends like this, where no other does: a build file or the host states the folder.
-fn only_one(project: &Path, wanted: &Path) -> Option<PathBuf> {
+pub(crate) fn only_one(project: &Path, named: &str) -> Option<PathBuf> {
+    let path = named.split_once("://").map_or(named, |(_, path)| path);
+    let mut wanted = Path::new(path.trim_start_matches(['@', '/']));
+    let of_host = named.len() != wanted.as_os_str().len();
+    loop {
+        match ending_in(project, wanted) {
+            Ok(found) => return found,
+            Err(()) if wanted.components().count() > LEAST && of_host => {
+                let mut rest = wanted.components();
+                rest.next();
+                wanted = rest.as_path();
+            }
+            Err(()) => return None,
+        }
+    }
+}
+
+/// The only file of a project whose path ends so, none where several do, and an error where no file does.
+fn ending_in(project: &Path, wanted: &Path) -> Result<Option<PathBuf>, ()> {
     type Lists = Mutex<HashMap<PathBuf, (Instant, Vec<PathBuf>)>>;
     static LISTS: LazyLock<Lists> = LazyLock::new(Lists::default);
     let plain = wanted.components().all(|part| matches!(part, Component::Normal(_)));
-    wanted.extension().filter(|_| plain)?;
+    if !plain || wanted.extension().is_none() {
+        return Ok(None);
+    }
     let mut lists = LISTS.lock().unwrap_or_else(PoisonError::into_inner);
     let listed = || (Instant::now(), below(project, &|path| path.extension().is_some()));
     let list = lists.entry(project.to_owned()).or_insert_with(listed);
@@ -94,8 +120,8 @@ fn only_one(project: &Path, wanted: &Path) -> Option<PathBuf> {
         *list = listed();
     }
     let mut found = list.1.iter().filter(|path| path.ends_with(wanted));
-    let first = found.next()?;
-    found.next().is_none().then(|| first.clone())
+    let first = found.next().ok_or(())?;
+    Ok(found.next().is_none().then(|| first.clone()))
 }
 
 #[cfg(test)]
@@ -130,6 +156,16 @@ mod tests {
         std::fs::create_dir_all(at("lib/two")).unwrap();
         for file in ["lib/one/noise.glsl", "lib/one/wind.glsl", "lib/two/wind.glsl"] {
             std::fs::write(at(file), "const int A = 1;\n").unwrap();
+        }
+        std::fs::create_dir_all(at("other")).unwrap();
+        std::fs::write(at("other/only.key"), "-----BEGIN PRIVATE KEY-----\nMIIE\n").unwrap();
+        for path in ["secret.key", "shaders/secret.key", "config", "only.key"] {
+            assert!(!of(path).is_ok_and(|found| found.is_some()), "{path}");
+        }
+        for (path, found) in
+            [("engine://lib/one/noise.glsl", true), ("@core/lib/one/noise.glsl", true), ("lib/three/noise.glsl", false)]
+        {
+            assert_eq!(of(path).unwrap().is_some(), found, "{path}");
         }
         let found = ["noise.glsl", "one/noise.glsl", "wind.glsl", "two/wind.glsl", "two/noise.glsl"];
         assert_eq!(found.map(|path| of(path).unwrap().is_some()), [true, true, false, true, false]);

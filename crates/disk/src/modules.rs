@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::elsewhere::{plain, refusal};
+use crate::includes::only_one;
 use crate::{MOST_BYTES, read_source};
 use base::diagnostic::Diagnostic;
 use base::text::{Shown, SourceFile, decode};
@@ -312,7 +313,13 @@ impl Library for Modules {
                 return self.read(&path);
             }
         }
-        if self.below { self.below_by_name(&own, wanted) } else { None }
+        if let Some(found) = self.below.then(|| self.below_by_name(&own, wanted)).flatten() {
+            return Some(found);
+        }
+        let (folders, project) = outwards(&own);
+        let project = folders.get(project?)?;
+        let only = only_one(project, &wanted.path).filter(|path| wanted.quoted && has_ending(path))?;
+        self.read(&only)
     }
 
     fn module(&mut self, from: &SourceFile, path: &ModulePath) -> Option<SourceFile> {

@@ -72,6 +72,10 @@ pub(super) fn by_place(file: &SourceFile, span: Span, count: usize) -> Option<(R
     if before.ends_with("<<") || before.ends_with(">>") {
         return assumed("4", "a number of bits").map(|a| (2, a));
     }
+    // Structures hold structures with arrays: their lengths are a product.
+    if before.ends_with(',') && inside_array(before) && inside_structure(before) {
+        return assumed("4", "the length of an array").map(|a| (2, a));
+    }
     let suffix =
         |s: &str| after.starts_with(s) && !after[s.len()..].starts_with(|c: char| c.is_alphanumeric() || c == '_');
     if suffix("u") || suffix("i") {
@@ -149,6 +153,20 @@ fn opening(before: &str) -> Option<(&str, usize)> {
     None
 }
 
+/// True in a structure of which the text ends inside of the brackets.
+fn inside_structure(before: &str) -> bool {
+    let mut depth = 0_usize;
+    let open = before.char_indices().rev().find(|(_, c)| {
+        depth += usize::from(*c == '}');
+        let is_open = *c == '{' && depth == 0;
+        depth -= usize::from(*c == '{' && depth > 0);
+        is_open
+    });
+    let part = |c: char| c.is_alphanumeric() || c == '_';
+    let head = open.map(|(at, _)| before[..at].trim_end().trim_end_matches(part).trim_end());
+    head.is_some_and(|head| head.ends_with("struct"))
+}
+
 /// True behind `array<T,`.
 fn inside_array(before: &str) -> bool {
     let (mut depth, mut end) = (0_usize, None);
@@ -186,6 +204,9 @@ mod tests {
             ("alias T = {{ elem }};", "f32"),
             ("fn f(x: {{ elem }}) -> f32", "f32"),
             ("var<private> a: array<vec4<f32>, {{ n }}>;", "64"),
+            ("struct S { x: f32, a: array<vec4<f32>, {{ n }}u>, }", "4"),
+            ("struct S { y: array<f32, #{M}>, a: array<f32, {{ n }}>, }", "4"),
+            ("struct S { x: f32 } var<private> a: array<f32, {{ n }}>;", "64"),
             ("if (i < {{ n }}u) {", "64"),
             ("key >> {{ bits }}u", "4"),
             ("const STRIDE: u32 = {{ bytes }} / 4u;", "64"),
