@@ -51,8 +51,8 @@ pub struct IncludedText {
     resting: Vec<String>,
     /// Functions that are run elsewhere, for a text that is read once more.
     known: Vec<String>,
-    /// True for one that is read once more, with names that its host may define.
-    again: bool,
+    /// Names that its host may define, of one that is read once more with them.
+    again: Vec<String>,
 }
 
 /// Reads a file and what it includes: `"path"` beside the file that asks and then in the stated folders, `<path>` in
@@ -110,7 +110,7 @@ pub fn with_includes(file: &SourceFile, path: &Path, given: &Given<'_>) -> anyho
         open: None,
         resting: Vec::new(),
         known: Vec::new(),
-        again: false,
+        again: Vec::new(),
     })
 }
 
@@ -314,7 +314,14 @@ impl IncludedText {
     #[must_use]
     pub fn switched(mut self, switches: &[(String, String)], known: &[String]) -> Self {
         self.completed.assumed.splice(0..0, switches.iter().cloned());
-        Self { known: known.to_vec(), again: true, ..self }
+        let again = switches.iter().map(|(name, _)| name.clone()).collect();
+        Self { known: known.to_vec(), again, ..self }
+    }
+
+    /// Its name above what came of its functions.
+    pub fn heading(&self) -> String {
+        let Self { name, again, .. } = self;
+        if again.is_empty() { name.clone() } else { format!("{name}, with {}", again.join(", ")) }
     }
 
     /// Declarations that stand for what the text lacks.
@@ -336,7 +343,7 @@ impl IncludedText {
     pub fn softened(&self, mut function: FunctionReport) -> FunctionReport {
         self.completed.soften(&mut function);
         let is_assumed = self.joined.as_ref().is_some_and(Joined::is_assumed) || self.completed.is_sized();
-        if is_assumed || self.again || self.resting.contains(&function.function) {
+        if is_assumed || !self.again.is_empty() || self.resting.contains(&function.function) {
             function.as_warnings();
         }
         if is_assumed {

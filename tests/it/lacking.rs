@@ -86,6 +86,7 @@ fn what_stands_behind_a_switch_is_run_with_it() {
                 float fog(float x) { return sqrt(-1.0 - x * x); }\n#elif defined(WITH_RAIN)\nfloat rain(float x) { return x; }\n#endif\n";
     let ran = fuzz("a.glsl", text, "").expect(0);
     assert_eq!(ran.out.matches("plain ").count(), 1, "{ran:?}");
+    assert!(ran.out.contains("\na.glsl, with WITH_FOG, WITH_RAIN\n"), "{ran:?}");
     assert!(ran.out.contains("warning: fog: `return` has no value") && ran.out.contains("ok    rain "), "{ran:?}");
     assert!(ran.out.contains("--define WITH_FOG=1 --define WITH_RAIN=1 --lane embedded --function fog"), "{ran:?}");
     let module = "fn plain(x: f32) -> f32 { return x; }\n#ifdef FOG\nfn fog(x: f32) -> f32 { return sqrt(-1.0 - x * x); }\n#endif\n";

@@ -212,7 +212,7 @@ impl Observer<Functions<'_>> for Lines<'_> {
                     let shown = |error| report::diagnostics::text(error, Lang::En, false);
                     errors.iter().try_for_each(|error| err.write_all(shown(error).as_bytes()))?;
                 }
-                if people && self.whole && self.many { writeln!(out, "{}", source.name) } else { Ok(()) }
+                if people && self.whole && self.many { writeln!(out, "{}", source.heading()) } else { Ok(()) }
             })?,
         }
         Ok(())

@@ -12,7 +12,7 @@ use analysis::numeric::{around, calls, constant, ends};
 pub const RULE: Rule = Rule {
     code: Code("N012"),
     name: "mix-t-range",
-    severity: Severity::Info,
+    severity: Severity::Warning,
     level: Level::Default,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::AnyWith(check),
@@ -54,11 +54,13 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
                 "`mix` は重みを制限しないので、最初の二つの引数の外へ外挿します"
             ))
             .with_help(message!("bring the weight to between 0 and 1", "重みを 0 から 1 の間に収めてください"));
-        if let Some(edits) = around(shader, call.id, *weight, "clamp(", ", 0.0, 1.0)") {
+        // One that never lies between would be the same at all times.
+        let edits = || around(shader, call.id, *weight, "clamp(", ", 0.0, 1.0)");
+        if let Some(edits) = (!never).then(edits).flatten() {
             found = found.with_fix(message!("clamp the weight", "重みを制限する"), Safety::Unsafe, edits);
         }
-        if never {
-            found.severity = Severity::Warning;
+        if !never {
+            found.severity = Severity::Info;
         }
         findings.push_at(if never { Level::Default } else { Level::Strict }, found);
     }
