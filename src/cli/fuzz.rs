@@ -161,29 +161,25 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     let reading = args.input.reading(Some(&compose), args.function.first().map(String::as_str));
     let mut hosts = Hosts::default();
     let (files, searched) = below::shaders(&args.files, |_| true)?;
-    let mut read = Vec::new();
-    let prelude = || super::prelude(args.prelude.as_deref());
+    let mut sources: Vec<IncludedText> = Vec::new();
+    let mut complete = |text: IncludedText, defines: &[(String, String)]| {
+        text.with_prelude(super::prelude(args.prelude.as_deref())).assuming(defines, &mut hosts)
+    };
+    // A case is of one text, and a suite states no macros.
+    let again = args.case.is_none() && !args.reproducible && !args.write_suite;
     for path in &files {
         match includes::read_all(path, &reading, stage) {
             Ok(texts) => {
-                let again = args.case.is_none() && !args.reproducible && !args.write_suite;
-                let more = if again { switches::more((path, stage), &reading, &prelude, &texts) } else { Vec::new() };
-                read.extend(texts.into_iter().map(|text| (text, false)));
-                read.extend(more.into_iter().map(|text| (text, true)));
+                let texts: Vec<_> = texts.into_iter().map(|text| complete(text, &args.input.define)).collect();
+                let of_file = (path.as_path(), stage);
+                let more = if again { switches::more(of_file, &reading, &texts, &mut complete) } else { Vec::new() };
+                sources.extend(texts.into_iter().chain(more));
             }
             // One file of many does not keep the others from being run.
             Err(error) if searched => writeln!(err, "left out: {error:#}")?,
             Err(error) => return Err(error),
         }
     }
-    let sources: Vec<IncludedText> = read
-        .into_iter()
-        .map(|(source, again)| {
-            // What is read once more was completed there.
-            let around = if again { source } else { source.with_prelude(prelude()) };
-            if again { around } else { around.assuming(&args.input.define, &mut hosts) }
-        })
-        .collect();
     if args.reproducible {
         anyhow::ensure!(shard.is_none(), "--reproducible looks at all functions in one run: leave out --shard");
         return reproducible::run(args, &sources, &stated, out, err, color);
@@ -288,10 +284,7 @@ pub(super) fn subjects(
     let told = |errors: &mut dyn Iterator<Item = Diagnostic>| -> Vec<Diagnostic> {
         errors.map(Diagnostic::at_origin).map(|d| source.explained(d)).collect()
     };
-    let mut errors: Vec<Diagnostic> =
-        parsed.diagnostics.into_iter().filter(|d| d.severity == Severity::Error).collect();
-    // The functions of a stage without `main` are those of a library.
-    errors.retain(|error| error.code != errors::MISSING_MAIN || !error.span.is_empty());
+    let errors = errors_of(parsed.diagnostics);
     // What another preprocessor reads before a compiler does: the linter believes none of it either.
     let is_of_host = |error: &Diagnostic| errors::is_of_the_text(error.code) && error.code != errors::INCLUDE;
     let doubtful = reading::open::doubtful(&parsed.shader, &errors, errors::Around::empty());
@@ -331,6 +324,12 @@ pub(super) fn subjects(
     }
     known.extend(subjects.iter().map(|s| s.label.clone()));
     Ok((errors, subjects))
+}
+
+/// The errors of a text. The functions of a stage without `main` are those of a library.
+fn errors_of(found: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    let is_wrong = |error: &Diagnostic| error.code != errors::MISSING_MAIN || !error.span.is_empty();
+    found.into_iter().filter(|d| d.severity == Severity::Error && is_wrong(d)).collect()
 }
 
 /// Why a text is not run that lint does not call wrong either.

@@ -45,8 +45,8 @@ fn has_code(bytes: &[u8]) -> bool {
 const ABSENT: [ErrorKind; 3] = [ErrorKind::NotFound, ErrorKind::NotADirectory, ErrorKind::IsADirectory];
 
 /// The file that an `#include` asks for; none where there is none. One by `"path"` is looked for beside the file that asks
-/// first, and each in the folders, and then in those around the file, and in the whole project at last. One that lies in none of `within` and is not of the same
-/// project is read where it is a shader by its ending.
+/// first, and each in the folders, and then in those around the file, and in the whole project at last. One that lies in none
+/// of `within` is read where it is a shader by its ending, or of the same project and holds code.
 ///
 /// # Errors
 /// Why a file is not read that is there.
@@ -60,29 +60,30 @@ pub fn included(wanted: &Wanted, folders: &[PathBuf], within: &[&Path]) -> Resul
     let from = own.map(|folder| if folder.as_os_str().is_empty() { here } else { folder });
     let (around, project) = from.map(below_here).unwrap_or_default();
     let around = around.into_iter().skip(usize::from(wanted.quoted));
+    let read = |path: &Path| {
+        let bytes = read_source(path)?;
+        let own = || project.as_ref().is_some_and(|project| is_of(project, path)) && has_code(&bytes);
+        match refusal(path, within).filter(|_| !own()) {
+            Some(why) => Err(Error::new(ErrorKind::InvalidInput, why)),
+            None => Ok(bytes),
+        }
+    };
     for folder in beside.iter().cloned().chain(folders.iter().cloned()).chain(around) {
         let path = if folder.as_os_str().is_empty() { PathBuf::from(path) } else { folder.join(path) };
-        let refused = |bytes: &[u8]| {
-            let own = || project.as_ref().is_some_and(|project| is_of(project, &path)) && has_code(bytes);
-            let why = refusal(&path, within).filter(|_| !own());
-            why.map(|why| Error::new(ErrorKind::InvalidInput, why))
-        };
-        match read_source(&path).and_then(|bytes| refused(&bytes).map_or(Ok(bytes), Err)) {
+        match read(&path) {
             Ok(bytes) => return decode(&plain(&path), &bytes).map(|d| Some(d.file)).map_err(|e| e.to_string()),
             // `<common>` is a name of the host, whatever folder has it.
             Err(error) if ABSENT.contains(&error.kind()) => {}
             Err(error) => return Err(format!("{}: {error}", path.shown())),
         }
     }
-    let Some(project) = project else { return Ok(None) };
-    let Some(path) = only_one(&project, path) else { return Ok(None) };
-    let Ok(bytes) = read_source(&path) else { return Ok(None) };
-    let is_read = refusal(&path, within).is_none() || is_of(&project, &path) && has_code(&bytes);
-    Ok(if is_read { decode(&plain(&path), &bytes).ok().map(|decoded| decoded.file) } else { None })
+    let only = project.as_deref().and_then(|project| only_one(project, path));
+    Ok(only.and_then(|path| decode(&plain(&path), &read(&path).ok()?).ok()).map(|decoded| decoded.file))
 }
 
-/// How long a list of files is taken for what lies there.
+/// How long a list of files is taken for what lies there, at least; and so many times as long as it took to make.
 const FRESH: Duration = Duration::from_secs(4);
+const TIMES: u32 = 50;
 
 /// Folders and the file that the end of a path has at least, where its beginning is a name of the host: `engine://`, `@core/`.
 const LEAST: usize = 3;
@@ -92,36 +93,44 @@ pub(crate) fn only_one(project: &Path, named: &str) -> Option<PathBuf> {
     let path = named.split_once("://").map_or(named, |(_, path)| path);
     let mut wanted = Path::new(path.trim_start_matches(['@', '/']));
     let of_host = named.len() != wanted.as_os_str().len();
-    loop {
-        match ending_in(project, wanted) {
-            Ok(found) => return found,
-            Err(()) if wanted.components().count() > LEAST && of_host => {
-                let mut rest = wanted.components();
-                rest.next();
-                wanted = rest.as_path();
-            }
-            Err(()) => return None,
-        }
+    let mut found = ending_so(project, wanted);
+    while found.is_empty() && of_host && wanted.components().count() > LEAST {
+        let mut rest = wanted.components();
+        rest.next();
+        wanted = rest.as_path();
+        found = ending_so(project, wanted);
+    }
+    if let [only] = &found[..] { Some(only.clone()) } else { None }
+}
+
+/// The files of a project, in a list that is made now and then.
+struct Listed {
+    at: Instant,
+    cost: Duration,
+    files: Vec<PathBuf>,
+}
+
+impl Listed {
+    fn new(project: &Path) -> Self {
+        let at = Instant::now();
+        let files = below(project, &|path| path.extension().is_some());
+        Self { at, cost: at.elapsed(), files }
     }
 }
 
-/// The only file of a project whose path ends so, none where several do, and an error where no file does.
-fn ending_in(project: &Path, wanted: &Path) -> Result<Option<PathBuf>, ()> {
-    type Lists = Mutex<HashMap<PathBuf, (Instant, Vec<PathBuf>)>>;
-    static LISTS: LazyLock<Lists> = LazyLock::new(Lists::default);
+/// The first two files of a project whose paths end so.
+fn ending_so(project: &Path, wanted: &Path) -> Vec<PathBuf> {
+    static LISTS: LazyLock<Mutex<HashMap<PathBuf, Listed>>> = LazyLock::new(Mutex::default);
     let plain = wanted.components().all(|part| matches!(part, Component::Normal(_)));
     if !plain || wanted.extension().is_none() {
-        return Ok(None);
+        return Vec::new();
     }
     let mut lists = LISTS.lock().unwrap_or_else(PoisonError::into_inner);
-    let listed = || (Instant::now(), below(project, &|path| path.extension().is_some()));
-    let list = lists.entry(project.to_owned()).or_insert_with(listed);
-    if list.0.elapsed() > FRESH {
-        *list = listed();
+    let list = lists.entry(project.to_owned()).or_insert_with(|| Listed::new(project));
+    if list.at.elapsed() > FRESH.max(list.cost * TIMES) {
+        *list = Listed::new(project);
     }
-    let mut found = list.1.iter().filter(|path| path.ends_with(wanted));
-    let first = found.next().ok_or(())?;
-    Ok(found.next().is_none().then(|| first.clone()))
+    list.files.iter().filter(|path| path.ends_with(wanted)).take(2).cloned().collect()
 }
 
 #[cfg(test)]

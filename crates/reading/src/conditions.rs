@@ -99,8 +99,13 @@ pub fn definitions(shader: &Shader) -> Vec<Defines> {
     let used: HashSet<&str> = code.flat_map(|l| l.split(|c: char| !c.is_ascii_alphanumeric() && c != '_')).collect();
     let mut asked = Conditions::of(shader).undefined(false);
     asked.retain(|name| !used.contains(name.as_str()));
-    let mut sets = each_and_all(&asked);
-    if let Some(all) = sets.pop_if(|_| asked.len() > 1) {
+    all_and_each(&asked)
+}
+
+/// All names as `1`, and then each by itself.
+pub fn all_and_each(names: &BTreeSet<String>) -> Vec<Defines> {
+    let mut sets = each_and_all(names);
+    if let Some(all) = sets.pop_if(|_| names.len() > 1) {
         sets.truncate(MOST_ASKED);
         sets.insert(0, all);
     }

@@ -4,7 +4,7 @@
 //! Nothing here knows a rule: what a text is does not depend on who asks.
 
 pub mod composed;
-mod conditions;
+pub mod conditions;
 mod config;
 mod dialect;
 pub mod es;

@@ -4,56 +4,61 @@
 use std::path::Path;
 
 use super::super::compose::Given;
-use super::super::hosts::Hosts;
 use super::super::includes::{self, IncludedText};
-use base::diagnostic::{Diagnostic, Severity};
+use super::errors_of;
 use program::Written;
-use reading::prelude::Wanted;
-use syntax::{Shader, Stage, errors};
+use reading::conditions::{self, Defines};
+use syntax::{Shader, Stage};
 
-/// Names that are tried at most: all together first, and each alone where that leaves something out.
-const MOST: usize = 12;
+/// Puts what a text lacks into it, with these macros.
+type Complete<'c> = dyn FnMut(IncludedText, &[(String, String)]) -> IncludedText + 'c;
 
 /// The texts of a file with names that its conditions ask for, as far as they compile and have functions that `texts` have not.
 pub(super) fn more(
     (path, stage): (&Path, Option<Stage>),
     given: &Given<'_>,
-    prelude: &dyn Fn() -> Wanted,
     texts: &[IncludedText],
+    complete: &mut Complete<'_>,
 ) -> Vec<IncludedText> {
-    let mut names: Vec<String> = Vec::new();
-    // What a module in WGSL is put together from holds no directives any more.
-    let own = |text: &IncludedText| text.author().map(|file| asked(file.text())).unwrap_or_default();
-    for name in texts.iter().flat_map(|text| [asked(text.file.text()), own(text)].concat()) {
-        if names.len() < MOST && !names.contains(&name) && given.defines.iter().all(|(own, _)| *own != name) {
-            names.push(name);
+    let mut sets: Vec<Defines> = Vec::new();
+    for set in texts.iter().flat_map(|text| switches(text, given.defines)) {
+        if !set.is_empty() && !sets.contains(&set) {
+            sets.push(set);
         }
     }
-    if names.is_empty() {
-        return Vec::new();
-    }
-    // A branch for another language needs declarations that the rest does without.
-    let plain = includes::read_all(path, given, stage).unwrap_or_default().into_iter();
-    let lacks: Vec<usize> = plain.map(|text| text.assuming(given.defines, &mut Hosts::default()).made_up()).collect();
-    let mut known: Vec<Vec<String>> = texts.iter().map(|text| functions(text, given.defines)).collect();
     let mut found = Vec::new();
-    let alone = names.iter().map(std::slice::from_ref).filter(|_| names.len() > 1);
-    for names in std::iter::once(&names[..]).chain(alone) {
-        let switches: Vec<(String, String)> = names.iter().map(|name| (name.clone(), "1".to_owned())).collect();
+    let mut known: Vec<Vec<String>> = Vec::new();
+    for switches in sets {
         let all = [given.defines, &switches[..]].concat();
-        let with = Given { defines: &all, ..*given };
-        let Ok(read) = includes::read_all(path, &with, stage) else { continue };
-        for ((text, known), lacks) in read.into_iter().zip(&mut known).zip(&lacks) {
-            let text = text.with_prelude(prelude()).assuming(&all, &mut Hosts::default()).switched(&switches, known);
+        let Ok(read) = includes::read_all(path, &Given { defines: &all, ..*given }, stage) else { continue };
+        if known.is_empty() {
+            known = texts.iter().map(|text| functions(text, given.defines)).collect();
+        }
+        for ((text, known), plain) in read.into_iter().zip(&mut known).zip(texts) {
+            let text = complete(text, &all).switched(&switches, known);
             let now = functions(&text, given.defines).into_iter();
             let fresh: Vec<String> = now.filter(|name| !text.is_assumed(name)).collect();
-            if !fresh.is_empty() && text.made_up() <= *lacks && compiles(&text, given.defines) {
+            // A branch for another language needs declarations that the rest does without.
+            if !fresh.is_empty() && text.made_up() <= plain.made_up() && compiles(&text, given.defines) {
                 known.extend(fresh);
                 found.push(text);
             }
         }
     }
     found
+}
+
+/// What a host may define beside what it is known to define: all names, and then each by itself.
+fn switches(text: &IncludedText, defines: &[(String, String)]) -> Vec<Defines> {
+    let is_open = |name: &String| defines.iter().all(|(own, _)| own != name);
+    if Written::of(&text.file) == Written::Glsl {
+        let mut sets = conditions::definitions(&text.parsed(defines).shader);
+        sets.iter_mut().for_each(|set| set.retain(|(name, _)| is_open(name)));
+        return sets;
+    }
+    // What a module is put together from holds no directives any more.
+    let names = text.author().map(|file| compose::features(&file)).unwrap_or_default();
+    conditions::all_and_each(&names.into_iter().filter(is_open).collect())
 }
 
 /// Names of the functions that a text has.
@@ -68,41 +73,8 @@ fn functions(text: &IncludedText, defines: &[(String, String)]) -> Vec<String> {
 }
 
 fn compiles(text: &IncludedText, defines: &[(String, String)]) -> bool {
-    let wrong =
-        |d: &Diagnostic| d.severity == Severity::Error && (d.code != errors::MISSING_MAIN || !d.span.is_empty());
     match Written::of(&text.file) {
-        Written::Glsl => !text.parsed(defines).diagnostics.iter().any(wrong),
+        Written::Glsl => errors_of(text.parsed(defines).diagnostics).is_empty(),
         _ => text.module().is_ok(),
-    }
-}
-
-/// Names that a text asks to be defined, and does not define: none of the language or of a compiler.
-fn asked(text: &str) -> Vec<String> {
-    let directives = || text.lines().filter_map(|line| line.trim_start().strip_prefix('#')).map(str::trim_start);
-    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
-    let word = |text: &str| text.chars().take_while(|c| is_part(*c)).collect::<String>();
-    let defined: Vec<String> =
-        directives().filter_map(|line| line.strip_prefix("define")).map(|rest| word(rest.trim_start())).collect();
-    let mut names = Vec::new();
-    for line in directives().filter(|line| !line.starts_with("define")) {
-        let line = line.strip_prefix("else").map_or(line, str::trim_start);
-        let plain = line.strip_prefix("ifdef").map(|rest| word(rest.trim_start()));
-        let inside = line.split("defined").skip(1).map(|rest| word(rest.trim_start_matches([' ', '\t', '('])));
-        names.extend(plain.into_iter().chain(inside));
-    }
-    let of_compiler = |name: &String| name.is_empty() || name.starts_with("GL_") || name.contains("__");
-    names.retain(|name| !of_compiler(name) && !defined.contains(name));
-    names
-}
-
-#[cfg(test)]
-mod tests {
-    use super::asked;
-
-    #[test]
-    fn names_that_a_text_asks_for_and_does_not_define() {
-        let text = "#ifdef A\n#elif defined(B) && !defined C\n#endif\n#ifndef D\n#define D\n#endif\n#ifdef D\n#endif\n\
-                    #ifdef GL_ES\n#else ifdef E\n  # if defined( F )\n#ifdef __cplusplus\n// ifdef G\n";
-        assert_eq!(asked(text), ["A", "B", "C", "E", "F"]);
     }
 }

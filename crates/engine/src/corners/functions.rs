@@ -49,8 +49,9 @@ rows! {
     PackFloat2x16 UnpackFloat2x16:;
     // Memory: the order of invocations decides, and the sums wrap as those of integers do.
     AtomicCounter AtomicCounterIncrement AtomicCounterDecrement AtomicAdd AtomicMin AtomicMax AtomicAnd AtomicOr
-    AtomicXor AtomicExchange AtomicCompSwap AtomicLoad AtomicStore AtomicCounterAdd AtomicCounterSubtract AtomicCounterMin AtomicCounterMax
-    AtomicCounterAnd AtomicCounterOr AtomicCounterXor AtomicCounterExchange AtomicCounterCompSwap:;
+    AtomicXor AtomicExchange AtomicCompSwap AtomicLoad AtomicStore AtomicCounterAdd AtomicCounterSubtract
+    AtomicCounterMin AtomicCounterMax AtomicCounterAnd AtomicCounterOr AtomicCounterXor AtomicCounterExchange
+    AtomicCounterCompSwap:;
     // Neighbours, and what a stage does.
     Ftransform DFdx DFdy Fwidth DFdxFine DFdyFine FwidthFine DFdxCoarse DFdyCoarse FwidthCoarse InterpolateAtCentroid
     InterpolateAtSample InterpolateAtOffset Noise1 Noise2 Noise3 Noise4 EmitVertex EndPrimitive EmitStreamVertex

@@ -18,7 +18,7 @@ impl<'m> Compiler<'m> {
         convert: Option<u8>,
     ) -> Result<Vec<Register>, InterpError> {
         let registers = self.registers(frame, expr)?;
-        let own = frame.info[expr].ty.inner_with(&self.module.types).scalar();
+        let own = self.numbers(frame, expr);
         let aimed = convert.map(|width| naga::Scalar { kind, width }).or(own.filter(|_| is_wide(own)));
         if is_wide(own) || is_wide(aimed) {
             let span = frame.function.expressions.get_span(expr);

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use naga::{AddressSpace, Arena, Expression, Handle, Literal, MathFunction, RelationalFunction, ScalarKind, TypeInner};
+use naga::{AddressSpace, Arena, Expression, Handle, Literal, RelationalFunction};
 
 use super::super::code::{Inst, Register, Word2};
 use super::super::domain::{Class, Site};
@@ -73,7 +73,7 @@ impl<'m> Compiler<'m> {
         let refuse = |what: &str| Err(unsupported(what.to_owned(), span));
         let site = self.site(frame, handle);
         // Whole numbers of 16 bits are loaded, stored and converted; operations keep 32 bits.
-        let numbers = frame.info[handle].ty.inner_with(&self.module.types).scalar();
+        let numbers = self.numbers(frame, handle);
         let short = numbers.is_some_and(|s| s.width == 2 && s != naga::Scalar::F16);
         let passes = |expression: &Expression| {
             use Expression as E;
@@ -154,9 +154,10 @@ impl<'m> Compiler<'m> {
                 }
                 let inner = frame.info[arg].ty.inner_with(&self.module.types).clone();
                 if is_wide(inner.scalar()) {
-                    return self.wide_function(site, fun, &args, &inner, span);
+                    self.wide_function(site, fun, &args, &inner, span)?
+                } else {
+                    self.math(site, fun, &args, &inner, span)?
                 }
-                self.math(site, fun, &args, &inner, span)?
             }
             Expression::As { expr, kind, convert } => self.cast(frame, site, expr, kind, convert)?,
             Expression::CallResult(_) => return Err(InterpError::internal("the result of a later call".to_owned())),
@@ -314,32 +315,6 @@ impl<'m> Compiler<'m> {
             RelationalFunction::IsNan => classify(self, Class::Nan),
             RelationalFunction::IsInf => classify(self, Class::Infinite),
         })
-    }
-}
-
-impl Compiler<'_> {
-    /// A function of whole numbers of 64 bits.
-    fn wide_function(
-        &mut self,
-        site: Site,
-        fun: MathFunction,
-        args: &[Rc<[Register]>],
-        first: &TypeInner,
-        span: naga::Span,
-    ) -> Result<Evaluated, InterpError> {
-        let refuse = || unsupported(format!("`{fun:?}` of 64-bit integers"), span);
-        let signed = first.scalar().is_some_and(|scalar| scalar.kind == ScalarKind::Sint);
-        let count = args.iter().map(|arg| arg.len() / 2).max().unwrap_or(0);
-        let mut all = Vec::new();
-        for k in 0..count {
-            let own = |arg: &Rc<[Register]>| {
-                let at = if arg.len() == 2 { 0 } else { 2 * k };
-                Some([*arg.get(at)?, *arg.get(at + 1)?])
-            };
-            let parts: Option<Vec<[Register; 2]>> = args.iter().map(own).collect();
-            all.extend(parts.and_then(|parts| self.wide_math(site, fun, signed, &parts)).ok_or_else(refuse)?);
-        }
-        Ok(Evaluated::Registers(all.into()))
     }
 }
 

@@ -201,6 +201,11 @@ impl<'m> Compiler<'m> {
         })
     }
 
+    /// The type of the numbers that a value is made of; none for a structure or an array.
+    pub(super) fn numbers(&self, frame: &Frame<'m>, handle: Handle<Expression>) -> Option<naga::Scalar> {
+        frame.info[handle].ty.inner_with(&self.module.types).scalar()
+    }
+
     /// The type of an expression, or of what it points to.
     pub(super) fn pointee(&self, frame: &Frame<'m>, handle: Handle<Expression>) -> TypeInner {
         match *frame.info[handle].ty.inner_with(&self.module.types) {

@@ -62,7 +62,7 @@ impl<'m> Compiler<'m> {
         expr: Handle<Expression>,
     ) -> Result<Vec<Register>, InterpError> {
         let registers = self.registers(frame, expr)?;
-        if is_wide(frame.info[expr].ty.inner_with(&self.module.types).scalar()) {
+        if is_wide(self.numbers(frame, expr)) {
             let halves = |pair: &[Register]| [pair[0], pair[1]];
             let each = registers.chunks_exact(2).map(|pair| self.wide_unary(site, op, halves(pair)));
             let all: Option<Vec<Vec<Register>>> = each.collect();
@@ -112,8 +112,7 @@ impl<'m> Compiler<'m> {
                 _ => {}
             }
         }
-        let of = |handle: Handle<Expression>| frame.info[handle].ty.inner_with(&self.module.types).scalar();
-        let (own, other) = (of(left), of(right));
+        let (own, other) = (self.numbers(frame, left), self.numbers(frame, right));
         if is_wide(own) {
             let signed = own.is_some_and(|scalar| scalar.kind == naga::ScalarKind::Sint);
             let (step, n) = (words(other), (a.len() / 2).max(b.len() / words(other)));

@@ -31,8 +31,7 @@ impl<'m> Compiler<'m> {
             span = frame.span;
         }
         let mut manner = self.manner(span);
-        let numbers = frame.info[expression].ty.inner_with(&self.module.types).scalar();
-        if numbers == Some(naga::Scalar::F16) {
+        if self.numbers(frame, expression) == Some(naga::Scalar::F16) {
             manner.grade = Grade::Half;
         }
         let sites = &mut self.executable.sites;

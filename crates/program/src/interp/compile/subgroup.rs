@@ -36,8 +36,7 @@ impl<'m> Compiler<'m> {
             }
             _ => return Err(InterpError::internal("a statement that is no operation of a subgroup".to_owned())),
         };
-        let wide = |handle: Handle<Expression>| is_wide(frame.info[handle].ty.inner_with(&self.module.types).scalar());
-        if argument.is_some_and(wide) {
+        if argument.is_some_and(|handle| is_wide(self.numbers(frame, handle))) {
             return Err(unsupported("subgroup operations of 64-bit integers".to_owned(), span));
         }
         let args = match argument {

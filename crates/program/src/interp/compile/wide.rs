@@ -1,11 +1,14 @@
 //! Whole numbers of 64 bits: two words, the lower one first. Their operations become operations on words, so that whatever
 //! looks at those looks at these as well.
 
-use naga::{BinaryOperator, MathFunction, Scalar as Type, ScalarKind, UnaryOperator};
+use std::rc::Rc;
+
+use naga::{BinaryOperator, MathFunction, Scalar as Type, ScalarKind, TypeInner, UnaryOperator};
 
 use super::super::code::{Register, Word1, Word2};
 use super::super::domain::{Binary, FromWords, Site};
-use super::Compiler;
+use super::math::Args;
+use super::{Compiler, InterpError, unsupported};
 use base::value::Scalar::{self, Bool, F32, I32, U32};
 
 /// The lower and the upper word.
@@ -22,6 +25,30 @@ pub(super) fn words(scalar: Option<Type>) -> usize {
 }
 
 impl Compiler<'_> {
+    /// A function of values whose components are whole numbers of 64 bits; a scalar stands for a vector of it.
+    pub(super) fn wide_function(
+        &mut self,
+        site: Site,
+        fun: MathFunction,
+        args: &Args,
+        first: &TypeInner,
+        span: naga::Span,
+    ) -> Result<Vec<Register>, InterpError> {
+        let refuse = || unsupported(format!("`{fun:?}` of 64-bit integers"), span);
+        let signed = first.scalar().is_some_and(|scalar| scalar.kind == ScalarKind::Sint);
+        let count = args.iter().map(|arg| arg.len() / 2).max().unwrap_or(0);
+        let mut all = Vec::new();
+        for k in 0..count {
+            let own = |arg: &Rc<[Register]>| {
+                let at = if arg.len() == 2 { 0 } else { 2 * k };
+                Some([*arg.get(at)?, *arg.get(at + 1)?])
+            };
+            let parts: Option<Vec<Wide>> = args.iter().map(own).collect();
+            all.extend(parts.and_then(|parts| self.wide_math(site, fun, signed, &parts)).ok_or_else(refuse)?);
+        }
+        Ok(all)
+    }
+
     pub(super) fn wide_number(&mut self, value: u64) -> Vec<Register> {
         #[expect(clippy::cast_possible_truncation, reason = "the two halves")]
         let halves = [value as u32, (value >> 32) as u32];
@@ -92,13 +119,7 @@ impl Compiler<'_> {
     }
 
     /// A function of wide numbers; `None` for functions that these have not.
-    pub(super) fn wide_math(
-        &mut self,
-        site: Site,
-        fun: MathFunction,
-        signed: bool,
-        args: &[Wide],
-    ) -> Option<Vec<Register>> {
+    fn wide_math(&mut self, site: Site, fun: MathFunction, signed: bool, args: &[Wide]) -> Option<Vec<Register>> {
         use MathFunction as Mf;
         let a = *args.first()?;
         let zero = self.of(0);
