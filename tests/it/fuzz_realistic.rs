@@ -53,6 +53,32 @@ fn a_fault_at_realistic_inputs_is_an_error() {
     ));
 }
 
+/// A stage that calls a function with `argument`, of two numbers `v` from the stage before.
+fn called(function: &str, argument: &str) -> FunctionReport {
+    let text = format!("in vec2 v;\nout vec4 c;\n{function}\nvoid main() {{ c = vec4(f({argument})); }}\n");
+    let all = functions("a.frag", &text);
+    on(&all[0], "", &*embedded::open().unwrap(), Promises::of_api(Api::Binary32))
+}
+
+/// What a stage passes to its own functions is what these are tried with.
+#[test]
+fn a_function_is_run_on_what_its_callers_pass() {
+    let asked = "float f(float q) { return sqrt(1.0 - q * q); }";
+    is_silent(&called(asked, "clamp(v.x, -1.0, 1.0)"));
+    is_silent(&called(asked, "normalize(v).x"));
+    is_warning_at_realistic(&called(asked, "v.x"));
+    is_warning_at_realistic(&called(asked, "v.x > 0.0 ? 0.5 : 1.5"));
+    let far = "float f(float q) { return sqrt(25.0 - q * q); }";
+    is_silent(&called(far, "clamp(v.x, 0.0, 4.0)"));
+    is_warning_at_realistic(&called(far, "clamp(v.x, 0.0, 30.0)"));
+}
+
+#[track_caller]
+fn is_warning_at_realistic(report: &FunctionReport) {
+    let found = report.of(Severity::Finding).chain(report.of(Severity::Warning)).find(|f| f.part == Part::Realistic);
+    assert!(found.is_some(), "{:?}", report.findings);
+}
+
 #[test]
 fn what_takes_an_input_that_nobody_stated_is_a_warning() {
     is_warning(&only("vec3 turned(vec3 v) { return normalize(v); }", ""), &MISSING);

@@ -29,7 +29,7 @@ fn told(report: &Value) -> Vec<(String, String, u64)> {
 }
 
 /// The wrong twins: the fault that each has, whether it fails the run, and a line that is named.
-const WRONG: [(&str, &str, bool, u64); 54] = [
+const WRONG: [(&str, &str, bool, u64); 56] = [
     // A barrier that is missing behind a step of the sum.
     ("sum.wgsl", "race", true, 21),
     // Elements behind the last one are not filled.
@@ -137,6 +137,10 @@ const WRONG: [(&str, &str, bool, u64); 54] = [
     ("picked.wgsl", "race", false, 13),
     // No barrier between the steps, behind numbers that are packed into one word.
     ("tiled.comp", "race", true, 19),
+    // Read by all in the condition before the one that keeps them away.
+    ("guarded.comp", "race", true, 15),
+    // Halves of a place, whatever number the host sets.
+    ("host_stride.comp", "race", false, 12),
 ];
 
 #[test]

@@ -19,7 +19,13 @@ impl Shader {
                 Some(CallTarget::Builtin(_) | CallTarget::Constructor(_)) | None => None,
             })
             .collect();
+        let bodies: Vec<Span> = self.functions().filter_map(|(f, _)| body(f)).collect();
         let mut found = vec![root];
+        for &(_, callee) in calls.iter().filter(|(s, _)| !bodies.iter().any(|b| b.contains(s.start))) {
+            if !found.contains(&callee) {
+                found.push(callee);
+            }
+        }
         let mut at = 0;
         while let Some(&function) = found.get(at) {
             if let Some(body) = body(function) {
@@ -30,12 +36,6 @@ impl Shader {
                 }
             }
             at += 1;
-        }
-        let bodies: Vec<Span> = self.functions().filter_map(|(f, _)| body(f)).collect();
-        for &(_, callee) in calls.iter().filter(|(s, _)| !bodies.iter().any(|b| b.contains(s.start))) {
-            if !found.contains(&callee) {
-                found.push(callee);
-            }
         }
         found
     }

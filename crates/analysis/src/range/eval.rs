@@ -461,6 +461,7 @@ impl<'s> Machine<'s> {
         let info = self.shader.function_info(function);
         let known = self.shader.function_syntax(info).is_some_and(|f| f.body.is_some());
         let running = self.frames.iter().any(|f| f.function == function);
+        self.record(id, values.clone());
         if !known || running || self.frames.len() >= MOST_CALLS {
             self.havoc();
             for (arg, p) in args.iter().zip(&info.params).filter(|(_, p)| p.direction != Direction::In) {

@@ -27,6 +27,7 @@ pub use value::{Evidence, Range, Value};
 
 use syntax::Shader;
 use syntax::ast::ExprId;
+use syntax::symbols::{CallTarget, SymbolId};
 
 /// Values that a uniform, attribute or other input takes, in every component.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,6 +68,29 @@ impl Observed {
         let mut machine = eval::Machine::new(shader, stated);
         machine.run();
         Self { visits: machine.visits }
+    }
+
+    /// For the parameters of functions that the text calls, one range over all components and calls; those of which
+    /// nothing is known are left out, as are those of functions that no call reaches.
+    pub fn passed(&self, shader: &Shader) -> BTreeMap<SymbolId, [f64; 2]> {
+        let mut all: BTreeMap<SymbolId, [f64; 2]> = BTreeMap::new();
+        for (&id, visits) in &self.visits {
+            let Some(CallTarget::User(function)) = shader.callee(id) else { continue };
+            for (k, param) in shader.function_info(*function).params.iter().enumerate() {
+                let Some(symbol) = param.symbol else { continue };
+                let hull =
+                    |visit: &Visit| visit.operands.get(k).and_then(Value::hull).map(|range| [range.lo, range.hi]);
+                let unknown = [f64::NEG_INFINITY, f64::INFINITY];
+                // Of those beyond the last one that is kept, nothing is known.
+                let cut_off = visits.len() >= MOST_VISITS;
+                let here = visits.iter().map(|visit| hull(visit).filter(|_| !cut_off).unwrap_or(unknown));
+                let before = all.get(&symbol).copied();
+                let joined = before.into_iter().chain(here).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+                all.extend(joined.map(|range| (symbol, range)));
+            }
+        }
+        all.retain(|_, range| range.iter().any(|end| end.is_finite()));
+        all
     }
 
     /// The visits of a call or operator; none when it is never reached.

@@ -14,6 +14,7 @@ mod draft;
 mod host;
 mod images;
 mod orders;
+mod placeholder;
 mod races;
 mod run;
 mod setting;
@@ -28,6 +29,7 @@ use program::interp::{self, Executable};
 use program::{Program, Written};
 
 pub use draft::Drafted;
+pub use placeholder::with_host_numbers;
 pub use run::run;
 pub use stated::open_meaning;
 

@@ -7,10 +7,10 @@ use super::subject::{BadHint, Hints, Made, Ready, Subject, global, made, numbers
 use super::textured::with_textures;
 use super::wrapper::MOST_WORDS;
 use crate::dispatch::Dispatched;
-use crate::guess::{self, Role, Usages, Uses};
+use crate::guess::{self, Passed, Role, Usages, Uses};
 use base::value::Field;
 use program::{Chosen, ModuleText, Port, PortAt, Program, Runnable};
-use syntax::symbols::FunctionInfo;
+use syntax::symbols::{FunctionInfo, SymbolId};
 use syntax::types::Type;
 use syntax::{Shader, Stage};
 
@@ -75,6 +75,7 @@ fn textured(bound: &MadeCaller, values: &[(String, String)], one: &Runnable, alo
 pub(crate) struct Known<'t> {
     tree: Option<&'t Shader>,
     usages: Option<Usages>,
+    passed: Passed,
     hints: Option<Hints>,
 }
 
@@ -84,7 +85,8 @@ impl<'t> Known<'t> {
     /// # Errors
     /// Comments that state domains in a way that cannot be read.
     pub(crate) fn of(tree: Option<&'t Shader>) -> Result<Self, BadHint> {
-        Ok(Self { tree, usages: tree.map(Usages::of), hints: tree.map(Hints::read).transpose()? })
+        let passed = tree.map(Passed::of).unwrap_or_default();
+        Ok(Self { tree, usages: tree.map(Usages::of), passed, hints: tree.map(Hints::read).transpose()? })
     }
 
     /// The laws that comments state for an input of a function or an entry point.
@@ -104,15 +106,21 @@ impl<'t> Known<'t> {
         self.tree?.functions().find(|(_, info)| info.name.name == name).map(|(_, info)| info)
     }
 
+    /// The parameter of a function that an input is.
+    fn parameter(&self, function: &str, field: &Field) -> Option<SymbolId> {
+        let root = field.name.split(['.', '[']).next()?;
+        let params = &self.function(function)?.params;
+        params.iter().find(|param| param.name.as_ref().is_some_and(|name| name.name == root))?.symbol
+    }
+
     /// How an input is used: a parameter, a member of one that is a structure, or a variable of the module.
     pub(crate) fn uses(&self, function: &str, field: &Field) -> Uses {
         let (Some(tree), Some(usages)) = (self.tree, &self.usages) else { return Uses::default() };
         let root = field.name.split(['.', '[']).next().unwrap_or(&field.name);
-        let params = || self.function(function).into_iter().flat_map(|info| &info.params);
-        let named = params().find(|param| param.name.as_ref().is_some_and(|name| name.name == root));
-        if let Some(symbol) = named.and_then(|param| param.symbol) {
+        if let Some(symbol) = self.parameter(function, field) {
             return usages.of_input(symbol, &field.name);
         }
+        let params = || self.function(function).into_iter().flat_map(|info| &info.params);
         let has = |ty: &Type| matches!(ty, Type::Struct(s) if s.fields.iter().any(|member| member.name == root));
         if let Some(symbol) = params().find(|param| has(&param.ty)).and_then(|param| param.symbol) {
             return usages.of_input(symbol, &format!("in.{}", field.name));
@@ -135,7 +143,8 @@ fn readied((program, kernel, executable): Made, function: &str, known: &Known<'_
     let realistic = {
         let guess = |field: &Field| {
             let role = role(&program, field);
-            (guess::with_uses(field, role, &known.uses(function, field)), role == Role::Varying)
+            let guess = guess::with_uses(field, role, &known.uses(function, field));
+            (known.passed.narrowed(guess, known.parameter(function, field)), role == Role::Varying)
         };
         Realistic::new([&kernel.invocation, &kernel.case], &guess)
     };

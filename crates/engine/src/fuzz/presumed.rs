@@ -1,4 +1,5 @@
-//! Inputs that names say to be in [0, 1], colours and shares of light: what goes wrong beyond is what nobody asked for.
+//! Inputs that names say to be in [0, 1], colours and shares of light, and those of which callers say more: what goes wrong
+//! beyond is what nobody asked for.
 
 use super::domain::{Domain, InputDomain, Interval, Law};
 use super::subject::Ready;
@@ -24,14 +25,22 @@ const SHARES: [&str; 11] = [
 
 const UNIT: Interval = Interval { low: 0.0, high: 1.0, open_low: false, open_high: false };
 
-/// The domain for inputs that nobody stated, and the names of those that are in [0, 1] there.
+/// The domain for inputs that nobody stated, and the names of those that are in [0, 1] there by their names.
 pub fn presumed(ready: &Ready, domain: &Domain) -> (Domain, Vec<String>) {
-    let mut taken = ready.realistic.taken_for(domain).into_iter();
+    let mut taken = ready.realistic.taken_for(domain).into_iter().zip(ready.realistic.passed());
     let mut names = Vec::new();
     let mut side = |fields: &[Field], inputs: &[InputDomain]| -> Vec<InputDomain> {
         let of = |(field, input): (&Field, &InputDomain)| {
-            let taken = taken.next().flatten();
-            if input.is_stated() || !is_unit(field, taken) {
+            let (taken, passed) = taken.next().unwrap_or_default();
+            if input.is_stated() {
+                return input.clone();
+            }
+            if let Some([low, high]) = passed {
+                return InputDomain {
+                    laws: vec![Law::Within(Interval { low, high, open_low: false, open_high: false })],
+                };
+            }
+            if !is_unit(field, taken) {
                 return input.clone();
             }
             names.push(field.name.clone());

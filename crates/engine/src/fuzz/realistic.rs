@@ -40,6 +40,8 @@ struct RealisticDraw {
     taken_for: &'static str,
     /// Its name or type says what it is: no program gives it anything else.
     sure: bool,
+    /// Both ends of what callers give it.
+    passed: Option<[f64; 2]>,
 }
 
 enum Draw {
@@ -88,7 +90,8 @@ impl Realistic {
         let one = |field: &Field, uniform: bool| {
             let (guess, varying) = guess(field);
             let sure = guess.is_sure(field.shape, uniform) || is_share(&field.name);
-            RealisticDraw { taken_for: guess.taken_for, draw: drawn(field, &guess, varying), sure }
+            let (taken_for, passed) = (guess.taken_for, guess.passed);
+            RealisticDraw { taken_for, draw: drawn(field, &guess, varying), sure, passed }
         };
         let sides =
             [0, 1].map(|side: usize| records[side].fields().iter().map(|field| one(field, side == 1)).collect());
@@ -105,6 +108,11 @@ impl Realistic {
     /// What goes farther than usual, each in words.
     pub fn far(&self) -> &[String] {
         &self.far
+    }
+
+    /// Both ends of what callers give each input, those of the invocation first.
+    pub fn passed(&self) -> impl Iterator<Item = Option<[f64; 2]>> {
+        self.sides.iter().flatten().map(|drawn| drawn.passed)
     }
 
     /// What each input is taken for where nothing is stated.

@@ -5,10 +5,10 @@ use super::hint;
 use super::realistic::Realistic;
 use super::slice::slice;
 use super::wrapper::{self, Wrapped};
-use crate::dispatch::Dispatched;
-use crate::guess::{self, Guess, Role, Usages};
+use crate::dispatch::{Dispatched, with_host_numbers};
+use crate::guess::{self, Guess, Passed, Role, Usages};
 use base::diagnostic::Diagnostic;
-use base::text::Span;
+use base::text::{SourceFile, Span};
 use base::value::Field;
 use program::interp::{self, Executable};
 use program::lower::Target;
@@ -84,7 +84,7 @@ pub fn subjects(shader: &Shader, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Su
         shader.functions().filter(|(_, f)| f.definition.is_some()).collect();
     let mut subjects = Vec::new();
     let ranges = program::ranges(shader);
-    let usages = Usages::of(shader);
+    let known = (Usages::of(shader), Passed::of(shader));
     for &(id, info) in &defined {
         let name = &info.name.name;
         let overloaded = defined.iter().filter(|(_, f)| f.name.name == *name).count() > 1;
@@ -96,9 +96,9 @@ pub fn subjects(shader: &Shader, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Su
         let mut stated = hints.about(info);
         let dispatch = dispatched(shader, info);
         let ready = ready(shader, id, info).map(|(program, kernel, executable)| {
-            let own = realistic(shader, info, &usages, &kernel, false);
+            let own = realistic(shader, info, &known, &kernel, false);
             let lowered = lowered(&program);
-            let far = lowered.as_ref().map(|_| realistic(shader, info, &usages, &kernel, true));
+            let far = lowered.as_ref().map(|_| realistic(shader, info, &known, &kernel, true));
             let far = far.filter(|far| !far.far().is_empty());
             Box::new(Ready { program, kernel, executable, lowered, realistic: own, far })
         });
@@ -121,7 +121,13 @@ pub(super) fn numbers(ready: &Ready, ranges: &[(String, u32)], stated: &[Stated]
 }
 
 /// What the inputs of a function are taken for; as far as they come where `far` says so.
-fn realistic(shader: &Shader, info: &FunctionInfo, usages: &Usages, kernel: &Kernel, far: bool) -> Realistic {
+fn realistic(
+    shader: &Shader,
+    info: &FunctionInfo,
+    (usages, passed): &(Usages, Passed),
+    kernel: &Kernel,
+    far: bool,
+) -> Realistic {
     let guess = |field: &Field| {
         let root = field.name.split(['.', '[']).next().unwrap_or(&field.name);
         let param = info.params.iter().find(|param| param.name.as_ref().is_some_and(|name| name.name == root));
@@ -137,7 +143,7 @@ fn realistic(shader: &Shader, info: &FunctionInfo, usages: &Usages, kernel: &Ker
             }),
         };
         let uses = symbol.map(|symbol| usages.of_input(symbol, &field.name)).unwrap_or_default();
-        (guess::with_uses(field, role, &uses), role == Role::Varying)
+        (passed.narrowed(guess::with_uses(field, role, &uses), symbol), role == Role::Varying)
     };
     let records = [&*kernel.invocation, &*kernel.case];
     if !far {
@@ -204,8 +210,10 @@ fn dispatched(shader: &Shader, info: &FunctionInfo) -> Option<Result<Box<Dispatc
     if info.name.name != "main" || shader.stage() != Stage::Compute {
         return None;
     }
-    let stage = Program::from_source_with(shader.file(), shader.stage(), shader.defines(), |_| Ok(Target::Stage));
-    match stage {
+    let made =
+        |file: &SourceFile| Program::from_source_with(file, shader.stage(), shader.defines(), |_| Ok(Target::Stage));
+    let of_host = with_host_numbers(shader).and_then(|file| made(&file).ok());
+    match of_host.map_or_else(|| made(shader.file()), Ok) {
         Ok(program) => Dispatched::new(&program).map(|ready| ready.map(Box::new)),
         Err(error) => Some(Err(reason(&error))),
     }

@@ -280,6 +280,15 @@ mod tests {
     }
 
     #[test]
+    fn what_a_global_variable_starts_with_brings_all_functions_that_it_calls() {
+        let text = "float two() { return 2.0; }\nfloat four() { return two() * two(); }\nfloat other() { return 1.0; }\n\
+                    float size = four();\nfloat f(float x) { return x * size; }\n";
+        let all = wrapped("a.glsl", text, "f").unwrap();
+        let text = all.file.text();
+        assert!(text.contains("float two()") && text.contains("float four()") && !text.contains("other"), "{text}");
+    }
+
+    #[test]
     fn a_stage_is_a_function_of_its_interface() {
         let text = "#version 330\nin VS { vec3 n; } fs_in;\nin vec2 uv, st;\nlayout(location = 0) out vec4 color;\n\
                     uniform Block { mat4 m; float k; };\nvoid main() { color = vec4(fs_in.n, uv.x * k) * gl_FragCoord.x; }\n";

@@ -1,12 +1,14 @@
 //! Which values an input takes, guessed from its name, its type, and how the shader uses it: what `init` writes into
 //! a first suite, and what `fuzz` takes for realistic.
 
+mod passed;
 mod usage;
 mod words;
 
 use base::value::{Field, Scalar, Shape};
 use property::generators::{self, Options};
 
+pub use passed::Passed;
 pub use usage::{Usage, Usages, Uses};
 pub use words::TEXTURE_COORDINATES;
 
@@ -19,6 +21,8 @@ pub struct Guess {
     pub range: Option<[f64; 2]>,
     /// What the input is taken for.
     pub taken_for: &'static str,
+    /// Both ends of what the callers of a function give it, where they are known.
+    pub passed: Option<[f64; 2]>,
 }
 
 /// Where the values of an input come from.
@@ -35,7 +39,7 @@ pub enum Role {
 }
 
 const fn guess(generator: &'static str, range: Option<[f64; 2]>, taken_for: &'static str) -> Guess {
-    Guess { generator, range, taken_for }
+    Guess { generator, range, taken_for, passed: None }
 }
 
 /// What an input is taken for whose ends are values like others: black, the corner of a texture, the first frame.
@@ -65,6 +69,9 @@ const COEFFICIENT: &str = "a coefficient";
 const UNSURE: [&str; 9] =
     [ANY, ANY_MATRIX, WHOLE, PROJECTION, COEFFICIENT, SETTING, words::SHARE, words::SIZE, words::PIXELS];
 
+/// Values that callers pass lie no farther apart where they say more than that a type has ends.
+const PASSED: f64 = 65_536.0;
+
 /// Centres of texels that the smallest texture of a run has, and their neighbours two texels away.
 const TEXELS: [f64; 2] = [2.5, 5.5];
 
@@ -87,6 +94,20 @@ impl Guess {
         let scalar = shape.words() == 1;
         let unsure = UNSURE.contains(&self.taken_for) || scalar && self.taken_for == words::COLOUR;
         !(unsure || uniform && self.taken_for == words::TEXTURE_COORDINATES)
+    }
+
+    /// The same where those who call the function pass it values between two ends alone. What no name explains has the
+    /// values that they pass, if these have ends.
+    pub fn passed(self, ends: [f64; 2]) -> Self {
+        let [low, high] = ends;
+        let guess = Self { passed: Some(ends), ..self };
+        let ranged = ["interval", "index"].contains(&guess.generator);
+        let Some([from, to]) = guess.range.filter(|_| ranged) else { return guess };
+        let has_ends = low.is_finite() && high.is_finite();
+        let both = [low.max(from), high.min(to)];
+        let open = [ANY, WHOLE, SETTING].contains(&guess.taken_for) && high - low < PASSED;
+        let range = if has_ends && (open || both[0] >= both[1]) { [low, high] } else { both };
+        if range[0] < range[1] { Self { range: Some(range), ..guess } } else { guess }
     }
 
     /// True where both ends of the range are values like others.

@@ -8,7 +8,8 @@ use crate::UNSUPPORTED;
 use base::diagnostic::{Diagnostic, Severity};
 use base::text::Span;
 use syntax::ast::{BinaryOp, ExprId, ExprKind, Literal, UnaryOp};
-use syntax::symbols::CallTarget;
+use syntax::interface::Storage;
+use syntax::symbols::{CallTarget, SymbolKind};
 use syntax::types::{ArraySize, ScalarType, Type};
 use syntax::{Const, Fit};
 
@@ -255,11 +256,8 @@ impl Fun<'_, '_> {
     fn is_simple(&self, id: ExprId) -> bool {
         let expr = self.shader.expr(id);
         let own = match &expr.kind {
-            ExprKind::Literal(_)
-            | ExprKind::Name(_)
-            | ExprKind::Paren(_)
-            | ExprKind::Field { .. }
-            | ExprKind::Method { .. } => true,
+            ExprKind::Name(_) => !self.is_memory(id),
+            ExprKind::Literal(_) | ExprKind::Paren(_) | ExprKind::Field { .. } | ExprKind::Method { .. } => true,
             ExprKind::Index { index, .. } => self.constant_index(*index).is_some(),
             ExprKind::Unary { op, .. } => !matches!(op, UnaryOp::Increment | UnaryOp::Decrement),
             ExprKind::Binary { op, left, .. } => {
@@ -275,6 +273,18 @@ impl Fun<'_, '_> {
             | ExprKind::Error => false,
         };
         own && expr.children().iter().all(|&c| self.is_simple(c))
+    }
+
+    /// True for what other invocations may write at the same time: a read that the author does not ask for would race.
+    fn is_memory(&self, name: ExprId) -> bool {
+        let Some(symbol) = self.shader.symbol_of(name) else { return false };
+        match self.shader.symbol(symbol).kind {
+            SymbolKind::Global(storage) => matches!(storage, Storage::Shared | Storage::Buffer),
+            SymbolKind::BlockMember(block) | SymbolKind::BlockInstance(block) => {
+                self.shader.interface().blocks.get(block).is_some_and(|b| b.storage == Storage::Buffer)
+            }
+            SymbolKind::Builtin | SymbolKind::Param(_) | SymbolKind::Local => false,
+        }
     }
 
     /// Refuses a constructor with arguments left over or missing, where the front end only warns.
