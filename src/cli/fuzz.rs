@@ -172,8 +172,8 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
             Ok(texts) => {
                 let texts: Vec<_> = texts.into_iter().map(|text| complete(text, &args.input.define)).collect();
                 let of_file = (path.as_path(), stage);
-                let more = if again { switches::more(of_file, &reading, &texts, &mut complete) } else { Vec::new() };
-                sources.extend(texts.into_iter().chain(more));
+                let texts = if again { switches::with_more(of_file, &reading, texts, &mut complete) } else { texts };
+                sources.extend(texts);
             }
             // One file of many does not keep the others from being run.
             Err(error) if searched => writeln!(err, "left out: {error:#}")?,

@@ -45,6 +45,40 @@ fn a_whole_shader_is_run_and_its_names_are_errors() {
     assert!(ran.out.contains("1 file does not compile"), "{ran:?}");
 }
 
+/// An engine of the web keeps modules of WGSL under the endings of stages, and leaves endings out where it joins them.
+#[test]
+fn a_module_of_wgsl_has_any_ending_of_glsl() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    fs::create_dir(folder.path().join("common")).unwrap();
+    write("common/light.wgsl", "struct Light { color: vec3f, }\n");
+    let text = "#include \"common/light\"\n@group(0) @binding(0) var<uniform> light: Light;\n\
+        @fragment\nfn fs(@location(0) uv: vec2f) -> @location(0) vec4f { return vec4f(light.color * uv.x, 1.0); }\n";
+    write("a.fs", text);
+    write("b.fs", &text.replace("uv.x", "sqrt(-1.0 - uv.x * uv.x)"));
+    write("c.fs", &text.replace("return", "let wrong: f32 = true; return"));
+    let ran = run_in(folder.path(), "fuzz a.fs b.fs --lane embedded --samples 256").expect(1);
+    assert!(ran.out.contains("b.fs:4:") && !ran.out.contains("a.fs:4:"), "{ran:?}");
+    assert!(ran.out.contains("2 functions run, 0 not run"), "{ran:?}");
+    let linted = run_in(folder.path(), "lint .").expect(1);
+    assert!(linted.out.contains("c.fs:4:") && linted.err.contains("4 files: 1 error"), "{linted:?}");
+}
+
+/// A header for the host and its shaders: without the name that its host defines for shaders it is C.
+#[test]
+fn a_text_that_is_c_without_a_name_is_read_with_it() {
+    let header = "#ifndef SHADER_CODE\ntypedef union _vec4 vec4;\n#define BEGIN(X) typedef struct {\n#define END(X) } X;\n#else\n\
+        #define BEGIN(X) struct X {\n#define END(X) };\n#endif\nBEGIN(Light)\n    vec4 color;\nEND(Light)\n";
+    let main = "layout(set = 0, binding = 0) uniform U { Light light; };\nlayout(location = 0) out vec4 o;\n\
+        void main() { o = light.color; }\n";
+    let ran = fuzz("a.frag", &format!("#version 450\n{header}{main}"), "").expect(0);
+    assert!(ran.err.contains("--define SHADER_CODE=1"), "{ran:?}");
+    assert!(ran.out.contains("1 function run, 0 not run"), "{ran:?}");
+    // What is no text of a shader with any name is told.
+    let ran = fuzz("a.frag", &format!("#version 450\n{}{main}", header.replace("struct X {", "typedef struct {")), "");
+    assert!(ran.expect(1).out.contains("error["));
+}
+
 /// Lines that a host reads, and a placeholder: what compiles without them is run.
 #[test]
 fn the_functions_of_a_text_run_that_its_host_has_no_hand_in() {

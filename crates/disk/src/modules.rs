@@ -289,10 +289,12 @@ impl Library for Modules {
         let own = folder_of(&wanted.from);
         let within: Vec<&Path> =
             std::iter::once(own.as_path()).chain(self.folders.iter().map(PathBuf::as_path)).collect();
-        let mut paths = vec![wanted.path.clone()];
-        // `#import name` leaves the ending out.
-        if wanted.import && Path::new(&wanted.path).extension().is_none() {
-            paths = ENDINGS.iter().map(|ending| format!("{}.{ending}", wanted.path)).collect();
+        let mut paths = if wanted.import { Vec::new() } else { vec![wanted.path.clone()] };
+        // `#import name` leaves the ending out, and so may `#include "name"`.
+        match Path::new(&wanted.path).extension() {
+            None => paths.extend(ENDINGS.iter().map(|ending| format!("{}.{ending}", wanted.path))),
+            Some(_) if wanted.import => paths.push(wanted.path.clone()),
+            Some(_) => {}
         }
         // Engines name files from the folder of all shaders, which is one around them.
         let mut around = if wanted.quoted { ancestors(&own) } else { Vec::new() };
@@ -508,6 +510,8 @@ mod tests {
         ];
         let text = composed(&files, &["lib"]);
         assert!(["fn a()", "fn b()", "fn c()"].iter().all(|f| text.contains(f)), "{text}");
+        let without = [("main.wgsl", "#include \"parts/a\"\nfn f() { a(); }\n"), ("parts/a.wgsl", "fn a() {}\n")];
+        assert!(composed(&without, &[]).contains("fn a()"));
         assert!(composed(&files, &[]).contains("E070 main.wgsl:3:9 no module is found for `c`"));
     }
 

@@ -74,10 +74,17 @@ pub fn language_of(name: &str) -> Option<Language> {
     stage.map(Language::Shader)
 }
 
+/// The same of a file, whose text may be WGSL where its name says GLSL.
+pub fn language_of_file(file: &SourceFile) -> Option<Language> {
+    let named = language_of(file.name());
+    let is_wgsl = matches!(named, Some(Language::Shader(_))) && syntax::is_wgsl(file.text());
+    if is_wgsl { Some(Language::Wgsl) } else { named }
+}
+
 /// The stage of a shader's file: what its ending says, or else what its text uses, or a word of its name. A library when
 /// nothing says it; none for a file that is no shader.
 pub fn stage_of(file: &SourceFile) -> Option<Stage> {
-    let Some(Language::Shader(stage)) = language_of(file.name()) else { return None };
+    let Some(Language::Shader(stage)) = language_of_file(file) else { return None };
     let told = || stage_of_file(file.name(), file.text()).unwrap_or(Stage::Library);
     match stage {
         Stage::Library => Some(told()),

@@ -22,7 +22,7 @@ pub mod wrapper;
 
 pub use cpp::{Embedded, HostPrograms, Lookup, LookupKind, Missing, ProgramSource, ShaderRef};
 pub use file::{Found, HostFile, HostTree, comments, concerns_shaders};
-pub use language::{HOST_EXTENSIONS, Language, SHADER_EXTENSIONS, language_of, stage_of};
+pub use language::{HOST_EXTENSIONS, Language, SHADER_EXTENSIONS, language_of, language_of_file, stage_of};
 pub use literal::Literal;
 pub use piece::{Origin, Place};
 pub use setter::Setter;

@@ -12,7 +12,7 @@ use hosts::Embedded;
 use hosts::script::Script;
 use hosts::sections::sections;
 use hosts::{HostFile, Literal};
-use hosts::{Language, language_of};
+use hosts::{Language, language_of_file};
 use reading::Input;
 use syntax::Stage;
 
@@ -178,7 +178,7 @@ fn touch(a: base::text::Span, b: base::text::Span) -> bool {
 /// How many faults the parser of a file's language finds.
 fn faults(name: &str, text: &str) -> usize {
     let file = SourceFile::new(name, text);
-    match language_of(name) {
+    match language_of_file(&file) {
         Some(Language::Shader(stage)) => {
             let parts = sections(&file);
             if parts.is_empty() {

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use base::text::{SourceFile, Span};
 use hosts::document::printed_shaders;
-use hosts::{Language, language_of, stage_of};
+use hosts::{Language, language_of_file, stage_of};
 use lint::Input;
 use syntax::include::{Wanted, resolve};
 use syntax::{Parsed, Shader, Stage};
@@ -114,7 +114,7 @@ impl Text {
 fn texts(input: &Input, find: &mut dyn FnMut(&Wanted) -> Option<SourceFile>) -> Vec<Text> {
     let file = &input.file;
     let name = file.name().to_owned();
-    match language_of(&name) {
+    match language_of_file(file) {
         Some(Language::Wgsl) => vec![Text { name, file: file.clone(), from: BTreeSet::new(), stage: None }],
         Some(Language::Shader(_)) if printed_shaders(file).is_empty() => {
             let Some(stage) = stage_of(file) else { return Vec::new() };

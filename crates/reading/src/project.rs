@@ -23,7 +23,7 @@ use super::program::{self, Program};
 use hosts::Origin;
 use hosts::cpp::{Fed, named_shaders, wrappers_of_project};
 use hosts::document::{Document, Listing};
-use hosts::language::{Language, SHADER_EXTENSIONS, language_of, stage_of};
+use hosts::language::{Language, SHADER_EXTENSIONS, language_of, language_of_file, stage_of};
 use hosts::paths::{beside, extension, file_name, normalise, stem};
 use hosts::script::Given;
 use hosts::sections::{sections, template};
@@ -193,11 +193,12 @@ impl Read {
     fn new(input: &Input, known: KnownHosts) -> (String, Option<Self>) {
         let KnownHosts { wanted, given } = known;
         let path = normalise(input.file.name());
-        if let Some(stage) = input.stage.filter(|_| language_of(&path) != Some(Language::Wgsl)) {
+        let language = language_of_file(&input.file);
+        if let Some(stage) = input.stage.filter(|_| language != Some(Language::Wgsl)) {
             let shader = input.shader(known, || ShaderFile::of_file(input, stage, known));
             return (path, Some(Self::Shader(shader)));
         }
-        let read = match language_of(&path) {
+        let read = match language {
             Some(Language::Shader(_)) if open::is_raw_string_file(input.file.text()) => {
                 Some(Self::Host(Box::new(input.host())))
             }
@@ -438,7 +439,7 @@ fn lookup<'p, T>(files: &'p Files<T>, from: &str, name: &str) -> Option<&'p T> {
 /// names or bears the name of, and the headers it includes with quotation marks. They need not exist.
 pub fn companions(input: &Input) -> Vec<String> {
     let name = input.file.name();
-    match language_of(name) {
+    match language_of_file(&input.file) {
         Some(Language::Shader(_) | Language::Wgsl | Language::Script) => Vec::new(),
         Some(Language::Host) => companions_of(&input.host(), name),
         None => {

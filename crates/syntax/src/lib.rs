@@ -56,7 +56,7 @@ pub use fold::Const;
 pub use hole::Hole;
 use interface::Interface;
 pub use names::{MOST_SLIPS, nearest};
-pub use other_language::{Looks, looks_like, other_language};
+pub use other_language::{Looks, is_wgsl, looks_like, other_language};
 pub use parser::words::{is_keyword, is_late_keyword};
 use preprocess::InFront;
 pub use preprocess::plain;

@@ -97,6 +97,11 @@ pub fn looks_like(text: &str, own: Looks) -> Option<(Looks, Span)> {
     alone.then_some((other, span))
 }
 
+/// True for a module of WGSL in a file whose ending says GLSL, as engines keep them.
+pub fn is_wgsl(text: &str) -> bool {
+    matches!(looks_like(text, Looks::Glsl), Some((Looks::Wgsl, _)))
+}
+
 /// The same as a diagnostic.
 pub fn other_language(file: &SourceFile, own: Looks) -> Option<Diagnostic> {
     let (other, span) = looks_like(file.text(), own)?;

@@ -8,16 +8,17 @@ use super::super::includes::{self, IncludedText};
 use super::errors_of;
 use program::Written;
 use reading::conditions::{self, Defines};
-use syntax::{Shader, Stage};
+use syntax::{Shader, Stage, errors};
 
 /// Puts what a text lacks into it, with these macros.
 type Complete<'c> = dyn FnMut(IncludedText, &[(String, String)]) -> IncludedText + 'c;
 
-/// The texts of a file with names that its conditions ask for, as far as they compile and have functions that `texts` have not.
-pub(super) fn more(
+/// The texts of a file, and those with names that its conditions ask for, as far as they compile and have functions that
+/// `texts` have not. What compiles with such a name alone, since it is a text of the host without it, is read with it.
+pub(super) fn with_more(
     (path, stage): (&Path, Option<Stage>),
     given: &Given<'_>,
-    texts: &[IncludedText],
+    mut texts: Vec<IncludedText>,
     complete: &mut Complete<'_>,
 ) -> Vec<IncludedText> {
     let mut sets: Vec<Defines> = Vec::new();
@@ -28,24 +29,42 @@ pub(super) fn more(
     }
     let mut found = Vec::new();
     let mut known: Vec<Vec<String>> = Vec::new();
+    let mut of_host: Vec<bool> = Vec::new();
     for switches in sets {
         let all = [given.defines, &switches[..]].concat();
         let Ok(read) = includes::read_all(path, &Given { defines: &all, ..*given }, stage) else { continue };
         if known.is_empty() {
             known = texts.iter().map(|text| functions(text, given.defines)).collect();
+            of_host = texts.iter().map(|text| is_of_host(text, given.defines)).collect();
         }
-        for ((text, known), plain) in read.into_iter().zip(&mut known).zip(texts) {
-            let text = complete(text, &all).switched(&switches, known);
+        for (k, text) in read.into_iter().enumerate().take(texts.len()) {
+            if of_host[k] {
+                let text = complete(text, &all).switched(&switches, &[]);
+                if compiles(&text, given.defines) {
+                    known[k] = functions(&text, given.defines);
+                    (texts[k], of_host[k]) = (text, false);
+                }
+                continue;
+            }
+            let text = complete(text, &all).switched(&switches, &known[k]);
             let now = functions(&text, given.defines).into_iter();
             let fresh: Vec<String> = now.filter(|name| !text.is_assumed(name)).collect();
             // A branch for another language needs declarations that the rest does without.
-            if !fresh.is_empty() && text.made_up() <= plain.made_up() && compiles(&text, given.defines) {
-                known.extend(fresh);
+            if !fresh.is_empty() && text.made_up() <= texts[k].made_up() && compiles(&text, given.defines) {
+                known[k].extend(fresh);
                 found.push(text);
             }
         }
     }
-    found
+    texts.into_iter().chain(found).collect()
+}
+
+/// True for a text that is not one of GLSL as its conditions stand: words that the language keeps for itself, such as
+/// `typedef`, begin what its grammar does not have.
+fn is_of_host(text: &IncludedText, defines: &[(String, String)]) -> bool {
+    let found = if Written::of(&text.file) == Written::Glsl { text.parsed(defines).diagnostics } else { Vec::new() };
+    let has = |code| found.iter().any(|error| error.code == code);
+    has(errors::RESERVED) && has(errors::SYNTAX)
 }
 
 /// What a host may define beside what it is known to define: all names, and then each by itself.

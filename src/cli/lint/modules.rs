@@ -7,7 +7,7 @@ use base::diagnostic::Diagnostic;
 use base::text::SourceFile;
 use compose::{Options, features, from_draft};
 use disk::Modules;
-use hosts::{Language, language_of};
+use hosts::{Language, language_of_file};
 use lint::Level;
 use reading::{Composed, Composer};
 use syntax::errors::EARLY_DRAFT;
@@ -22,7 +22,7 @@ pub fn composer(folders: &[PathBuf]) -> Composer {
     let modules = Mutex::new(Modules::new(folders.to_vec()).with_files_below());
     let folders = folders.to_vec();
     Composer::new(move |file| {
-        if language_of(file.name()) != Some(Language::Wgsl) {
+        if language_of_file(file) != Some(Language::Wgsl) {
             return with_includes(file, &folders);
         }
         // A text that was put together of others is read as it stands: every place is one of it.

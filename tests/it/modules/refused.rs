@@ -49,9 +49,9 @@ fn another_language_than_the_ending_says_is_recognised() {
     says("f.wgsl", b"cbuffer C { float4 a; };\n", "", &["f.wgsl:1:1", "error[E077]", "looks like HLSL"]);
     says(
         "f.frag",
-        b"@fragment fn f() {}\n",
+        b"cbuffer C { float4 a; };\n",
         "",
-        &["f.frag:1:1", "error[E077]", "looks like WGSL, and is read as GLSL"],
+        &["f.frag:1:1", "error[E077]", "looks like HLSL, and is read as GLSL"],
     );
 }
 

@@ -35,10 +35,12 @@ impl Written {
         }
     }
 
-    /// By the name of a file. Vulkan's GLSL has files called `.slang` as well, which begin with their version.
+    /// By the name of a file, and by its text. Vulkan's GLSL has files called `.slang` as well, which begin with their
+    /// version, and WGSL has any ending that GLSL has.
     pub fn of(file: &SourceFile) -> Self {
         match Self::of_path(file.name()) {
             Self::Slang if file.text().lines().any(|line| line.trim_start().starts_with("#version ")) => Self::Glsl,
+            Self::Glsl if syntax::is_wgsl(file.text()) => Self::Wgsl,
             written => written,
         }
     }

@@ -10,7 +10,7 @@ use super::filled::{self, ByPath, PutTogether};
 use super::{Input, KnownHosts, ShaderFile};
 use hosts::Origin;
 use hosts::Wrapper;
-use hosts::language::{Language, language_of};
+use hosts::language::{Language, language_of_file};
 use hosts::paths::normalise;
 use hosts::script::Script;
 use hosts::{Found, HostFile};
@@ -56,7 +56,7 @@ impl Input {
 
     /// What a composer joins to a text may change while the text does not.
     fn keeps_itself(&self) -> Option<&Kept> {
-        let joins: &[&str] = match language_of(self.file.name()) {
+        let joins: &[&str] = match language_of_file(&self.file) {
             Some(Language::Wgsl) => &["import", "#", "package::", "super::"],
             Some(Language::Shader(_) | Language::Host | Language::Script) | None => &["include"],
         };

@@ -102,7 +102,7 @@ pub(super) fn read(text: &str) -> Pieces {
                 let line = lexer.remainder().lines().next().unwrap_or("").trim_start();
                 let is = |word: &str| line.starts_with(word);
                 pieces.filled |= is("include");
-                pieces.varies |= ["if", "include", "for"].iter().any(|w| is(w));
+                pieces.varies |= ["if", "for"].iter().any(|w| is(w));
                 if is("if") {
                     branches.push(true);
                 } else if is("endif") {
