@@ -67,7 +67,8 @@ fn imported(path: &Path) -> Option<PathBuf> {
 /// # Errors
 /// When it cannot be read, or is a document with several shaders.
 pub fn shader(path: &Path) -> anyhow::Result<SourceFile> {
-    let Some(mut all) = shaders(path)? else { return super::translate::read(path) };
+    let Some(all) = shaders(path)? else { return super::translate::read(path) };
+    let mut all = whole(all);
     let lines: Vec<String> = all.iter().map(|s| s.lines.start().to_string()).collect();
     match (all.pop(), all.is_empty()) {
         (Some(only), true) => Ok(only.file),
@@ -78,6 +79,14 @@ pub fn shader(path: &Path) -> anyhow::Result<SourceFile> {
             lines.join(", ")
         ),
     }
+}
+
+/// Without the strings that a host puts into others, where there is anything else.
+pub fn whole(mut all: Vec<Printed>) -> Vec<Printed> {
+    if all.iter().any(|shader| !shader.part) {
+        all.retain(|shader| !shader.part);
+    }
+    all
 }
 
 /// The file that a path means, with a line of it or without.

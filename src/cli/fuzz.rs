@@ -303,9 +303,10 @@ pub(super) fn subjects(
             subjects.extend(broken.subjects().filter(|one| wanted(&one.name)));
             known.extend(subjects.iter().flat_map(|one| [one.label.clone(), one.name.clone()]));
         }
-        let why = match &of_host {
-            Some(first) => Some(("its host has to make it a whole shader", first)),
-            None => errors.first().filter(|_| unsure && !is_told).map(|first| (HOST_DECIDES, first)),
+        let why = match (&of_host, source.open()) {
+            (Some(first), _) => Some(("its host has to make it a whole shader", first)),
+            (None, Some(open)) => errors.first().map(|first| (open, first)),
+            (None, None) => errors.first().filter(|_| unsure && !is_told).map(|first| (HOST_DECIDES, first)),
         };
         if let Some((why, first)) = why {
             if subjects.iter().all(|subject| subject.ready.is_err()) {

@@ -74,7 +74,7 @@ pub fn read_one(path: &Path, given: &Given<'_>) -> anyhow::Result<IncludedText> 
     if given.stage.is_some() || (path.is_file() && !is_host) {
         return read(path, given);
     }
-    let mut all = read_all(path, given, None)?;
+    let mut all = texts(path, given, None, super::document::whole)?;
     let lines: Vec<&str> = all.iter().map(|text| text.given.as_str()).collect();
     anyhow::ensure!(lines.len() == 1, "`{}` holds several shaders; name one: {}", path.shown(), lines.join(", "));
     all.pop().with_context(|| format!("`{}` holds no whole shader", path.shown()))
@@ -119,6 +119,15 @@ pub fn with_includes(file: &SourceFile, path: &Path, given: &Given<'_>) -> anyho
 /// # Errors
 /// As [`read`], and when a file of host code holds no whole shader.
 pub fn read_all(path: &Path, given: &Given<'_>, stage: Option<Stage>) -> anyhow::Result<Vec<IncludedText>> {
+    texts(path, given, stage, |printed| printed)
+}
+
+fn texts(
+    path: &Path,
+    given: &Given<'_>,
+    stage: Option<Stage>,
+    wanted: fn(Vec<hosts::document::Printed>) -> Vec<hosts::document::Printed>,
+) -> anyhow::Result<Vec<IncludedText>> {
     if let (Some(stage), true) = (stage, path.is_file()) {
         return Ok(vec![IncludedText { stage, ..read(path, given)? }]);
     }
@@ -148,7 +157,7 @@ pub fn read_all(path: &Path, given: &Given<'_>, stage: Option<Stage>) -> anyhow:
             ..whole
         })
     };
-    printed.into_iter().map(text).collect()
+    wanted(printed).into_iter().map(text).collect()
 }
 
 /// A text in GLSL, and one that names no version under one that has what it uses.

@@ -98,6 +98,33 @@ pub fn has_main(text: &str) -> bool {
     })
 }
 
+/// Marks of the entry points of a module in WGSL.
+pub const ENTRY_POINTS: [&str; 3] = ["@vertex", "@fragment", "@compute"];
+
+/// True for a module in WGSL with an entry point.
+pub fn is_module(text: &str) -> bool {
+    ENTRY_POINTS.iter().any(|mark| text.contains(mark)) && syntax::is_wgsl(text)
+}
+
+/// True for a part of a shader in GLSL, without comments: it is known by its functions.
+pub fn is_part(code: &str) -> bool {
+    let types = ["vec2", "vec3", "vec4", "mat2", "mat3", "mat4", "sampler2D"];
+    types.iter().any(|word| has_word(code, word)) && defines_function(code)
+}
+
+/// True when a line begins with the head of a function of GLSL.
+fn defines_function(code: &str) -> bool {
+    let types = ["void", "bool", "int", "uint", "float", "vec2", "vec3", "vec4", "mat2", "mat3", "mat4"];
+    code.match_indices('{').any(|(at, _)| {
+        let head = code[..at].trim_end().rsplit([';', '}', '{', '\n']).next().unwrap_or("").trim();
+        let Some((before, arguments)) = head.split_once('(') else { return false };
+        let words: Vec<&str> = before.split_whitespace().collect();
+        let [ty, name] = words[..] else { return false };
+        let named = name.chars().all(|c| c.is_alphanumeric() || c == '_');
+        types.contains(&ty) && named && arguments.ends_with(')') && !arguments.contains(['=', '.'])
+    })
+}
+
 /// The text with a blank for each comment.
 pub fn without_comments(text: &str) -> String {
     let mut code = String::new();

@@ -116,6 +116,8 @@ pub struct Surroundings<'a> {
     /// Macros that an `#if` asks for and nothing in the text defines.
     asked: BTreeSet<String>,
     open: Around,
+    /// A file that it includes is not there.
+    lacks_file: bool,
 }
 
 impl<'a> Surroundings<'a> {
@@ -123,13 +125,23 @@ impl<'a> Surroundings<'a> {
     pub fn new(shader: &'a Shader, conditions: &'a Conditions, found: &[Diagnostic]) -> Self {
         let mut asked = conditions.undefined(true);
         asked.retain(|name| !shader.defines().iter().any(|(own, _)| own == name));
-        Self { shader, conditions, open: of(shader, &asked, found), asked }
+        Self::leaving(of(shader, &asked, found), shader, conditions, (asked, found))
     }
 
     /// Those of a text that is in order whatever its host defines: as it stands, and so far as it is read otherwise.
     pub fn of_whole(shader: &'a Shader, conditions: &'a Conditions, found: &[Diagnostic]) -> Self {
         let asked = BTreeSet::new();
-        Self { shader, conditions, open: of(shader, &asked, found), asked }
+        Self::leaving(of(shader, &asked, found), shader, conditions, (asked, found))
+    }
+
+    fn leaving(
+        open: Around,
+        shader: &'a Shader,
+        conditions: &'a Conditions,
+        (asked, found): (BTreeSet<String>, &[Diagnostic]),
+    ) -> Self {
+        let lacks_file = found.iter().any(|d| d.code == errors::INCLUDE);
+        Self { shader, conditions, asked, open, lacks_file }
     }
 
     /// True for an error that rests on something open, or on anything of `more`; what stands in a macro aside.
@@ -162,6 +174,10 @@ impl<'a> Surroundings<'a> {
         }
         // An engine calls this `main` from its own.
         if error.code == errors::FUNCTION && file.slice(error.span) == "main" {
+            rests |= Around::NAMES;
+        }
+        // A file may have further overloads of built-in functions too.
+        if error.code == errors::NO_OVERLOAD && self.lacks_file {
             rests |= Around::NAMES;
         }
         if is_bindless(file, error) {

@@ -204,6 +204,11 @@ fn race(before: &Access, after: &Access, terms: &Terms) -> Option<Race> {
         before: before.kind,
         witness: None,
     };
+    // Two invocations take two lanes.
+    let others = |lane: usize| (0..after.lanes.len()).any(|other| other != lane && after.lanes[other]);
+    if !(0..before.lanes.len()).any(|lane| before.lanes[lane] && others(lane)) {
+        return None;
+    }
     if open {
         return Some(race);
     }

@@ -68,39 +68,78 @@ pub struct Candidate {
 /// shader, or whose stage cannot be found out, is none.
 pub fn find(host: &HostFile) -> Vec<Embedded> {
     let text = host.file.text();
-    if !text.contains("main") || !(text.contains("#version") || text.contains("gl_")) {
+    let is_module = marks::ENTRY_POINTS.iter().any(|mark| text.contains(mark));
+    if !text.contains("main") || !(text.contains("#version") || text.contains("gl_") || is_module) {
         return Vec::new();
     }
+    let wanted = |text: &str| text.contains("main");
+    named(host, &wanted, |text| match () {
+        () if is_whole(text) => Some(Whole::Shader),
+        () if marks::is_module(text) && !has_placeholder(text) => Some(Whole::Module),
+        () => None,
+    })
+}
+
+/// Parts of shaders in literals of a file that have functions: their host puts a version or other texts in front of them.
+pub fn pieces(host: &HostFile) -> Vec<Embedded> {
+    let is_piece = |text: &str| {
+        let other = is_whole(text) || has_placeholder(text) || syntax::is_wgsl(text);
+        !other && (marks::has_main(text) || marks::is_part(&marks::without_comments(text)))
+    };
+    named(host, &|text| text.contains('{'), |text| is_piece(text).then_some(Whole::No))
+}
+
+/// What a literal is as it stands.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Whole {
+    /// A stage in GLSL.
+    Shader,
+    /// A module in WGSL.
+    Module,
+    /// A part of a stage.
+    No,
+}
+
+/// Literals that `wanted` may want and `read` knows.
+fn named(host: &HostFile, wanted: &dyn Fn(&str) -> bool, read: impl Fn(&str) -> Option<Whole>) -> Vec<Embedded> {
     let Some(root) = host.root() else { return Vec::new() };
     let mut candidates = stringized::find(host, root);
     let nodes: Vec<Node<'_>> = descendants(root).filter(|n| is_string(*n)).collect();
-    for &node in &nodes {
+    for &node in nodes.iter().filter(|node| wanted(host.text(**node))) {
         let place = span(node);
         let in_other = |c: &Candidate| c.place.start <= place.start && place.end <= c.place.end;
         if !candidates.iter().any(in_other) {
             candidates.extend(candidate(host, node));
         }
     }
-    candidates.retain(|c| is_whole(&c.literal.text));
-    candidates.sort_by_key(|c| c.place);
+    let mut candidates: Vec<(Candidate, Whole)> =
+        candidates.into_iter().filter_map(|c| read(&c.literal.text).map(|whole| (c, whole))).collect();
+    candidates.sort_by_key(|(c, _)| c.place);
     let sources: Vec<Source<'_>> = candidates
         .iter()
-        .map(|c| Source { variable: c.variable.as_ref().map(|v| v.0.as_str()), place: c.place })
+        .map(|(c, _)| Source { variable: c.variable.as_ref().map(|v| v.0.as_str()), place: c.place })
         .collect();
     let created = creation::stages(host, root, &sources);
     let mut found: Vec<Embedded> = Vec::new();
-    for (candidate, created_as) in candidates.into_iter().zip(created) {
+    for ((candidate, whole), created_as) in candidates.into_iter().zip(created) {
         let Candidate { literal, place, variable } = candidate;
-        let Ok(by_contents) = marks::stage(&literal.text) else { continue };
+        let (partial, wgsl) = (whole == Whole::No, whole == Whole::Module);
         let by_name = || variable.as_ref().and_then(|v| Stage::of_name(&v.0));
-        let Some(stage) = by_contents.or(created_as.map(|c| c.0)).or_else(by_name) else { continue };
+        let stage = match marks::stage(&literal.text) {
+            _ if wgsl => Some(Stage::Library),
+            Ok(by_contents) => by_contents.or(created_as.map(|c| c.0)).or_else(by_name),
+            Err(marks::Mixed) => None,
+        };
+        // A part of any stage has functions all the same.
+        let part = (partial && !marks::has_main(&literal.text)).then_some(Stage::Library);
+        let Some(stage) = stage.or(part) else { continue };
         let line = host.file.position(place.start).line;
         let called = variable.as_ref().map_or_else(|| line.to_string(), |v| v.0.clone());
         let mut name = format!("{}#{called}", host.file.name());
         if found.iter().any(|e| e.name == name) {
             name = format!("{name}:{line}");
         }
-        found.push(Embedded { name, variable, stage, created_as, literal, place, partial: false, wgsl: false });
+        found.push(Embedded { name, variable, stage, created_as, literal, place, partial, wgsl });
     }
     found
 }
@@ -113,9 +152,6 @@ fn is_string(node: Node<'_>) -> bool {
 
 /// The literal as a possible shader, when it is all that its variable or argument holds.
 fn candidate(host: &HostFile, node: Node<'_>) -> Option<Candidate> {
-    if !host.text(node).contains("main") {
-        return None;
-    }
     // `"a" NAME "b"` reads as an error: a macro may stand for anything.
     let outside = ["compound_statement", "translation_unit", "function_definition", "field_declaration_list"];
     if ancestors(node).take_while(|n| !outside.contains(&n.kind())).any(|n| n.has_error()) {
@@ -169,8 +205,7 @@ fn converted<'t>(host: &HostFile, node: Node<'t>) -> Node<'t> {
 
 /// True for the text of a whole shader.
 fn is_whole(text: &str) -> bool {
-    let placeholder = ["%s", "%d", "%i", "%u", "%f", "{{", "${", "@{"].iter().any(|p| text.contains(p));
-    if placeholder || !marks::has_main(text) {
+    if has_placeholder(text) || !marks::has_main(text) {
         return false;
     }
     match text.find("#version") {
@@ -188,6 +223,11 @@ fn is_whole(text: &str) -> bool {
             old.iter().any(|w| marks::has_word(text, w)) && (!of_es || states)
         }
     }
+}
+
+/// True where a host fills something in.
+fn has_placeholder(text: &str) -> bool {
+    ["%s", "%d", "%i", "%u", "%f", "{{", "${", "@{"].iter().any(|mark| text.contains(mark))
 }
 
 fn only_blank(text: &str) -> bool {

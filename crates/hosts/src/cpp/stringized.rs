@@ -8,6 +8,7 @@ use super::embedded::Candidate;
 use super::tree::{descendants, elements, span};
 use crate::HostFile;
 use crate::Literal;
+use crate::marks;
 
 /// A macro whose body is literals and arguments made strings.
 struct Stringizer {
@@ -25,11 +26,12 @@ enum Part {
 /// The invocations of such macros in a file.
 pub fn find(host: &HostFile, root: Node<'_>) -> Vec<Candidate> {
     let text = host.file.text();
-    if !text.contains("#define") && !text.contains("# define") {
-        return Vec::new();
+    let mut macros: Vec<Stringizer> = Vec::new();
+    if text.contains("#define") || text.contains("# define") {
+        let all = descendants(root).filter(|n| n.kind() == "preproc_function_def");
+        macros.extend(all.filter_map(|n| stringizer(host, n)));
     }
-    let macros: Vec<Stringizer> =
-        descendants(root).filter(|n| n.kind() == "preproc_function_def").filter_map(|n| stringizer(host, n)).collect();
+    macros.extend(of_headers(text));
     let mut found = Vec::new();
     for stringizer in &macros {
         for (at, _) in text.match_indices(stringizer.name.as_str()) {
@@ -62,6 +64,29 @@ fn stringizer(host: &HostFile, definition: Node<'_>) -> Option<Stringizer> {
     }
     let any = parts.iter().any(|p| matches!(p, Part::Argument(_)));
     any.then_some(Stringizer { name, parts, count: parameters.len() })
+}
+
+/// Macros that a header defines. What has a function of a shader between its brackets, and is no code of the host, can only be
+/// made a string.
+fn of_headers(text: &str) -> Vec<Stringizer> {
+    let mut found: Vec<Stringizer> = Vec::new();
+    for (open, _) in text.match_indices('(') {
+        let before = text[..open].trim_end();
+        let name = before.rsplit(|c: char| !c.is_ascii_alphanumeric() && c != '_').next().unwrap_or("");
+        let is_macro =
+            name.len() > 2 && name.bytes().all(|b| b.is_ascii_uppercase() || b == b'_' || b.is_ascii_digit());
+        let is_value = before[..before.len() - name.len()].trim_end().ends_with(['=', '(', ',', '{']);
+        let known = |own: &Stringizer| own.name == name;
+        if !is_macro || !is_value || found.iter().any(known) || text.contains(&format!("define {name}")) {
+            continue;
+        }
+        let Some((arguments, _)) = split(text, open, 1) else { continue };
+        let inside = arguments.first().map_or("", |place| &text[place.range()]);
+        if inside.contains('\n') && !inside.starts_with('"') && (marks::is_module(inside) || marks::has_main(inside)) {
+            found.push(Stringizer { name: name.to_owned(), parts: vec![Part::Argument(0)], count: 1 });
+        }
+    }
+    found
 }
 
 /// The invocation whose macro name stands at `at`.

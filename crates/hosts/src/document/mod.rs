@@ -19,7 +19,7 @@ use crate::language::{Language, language_of};
 use crate::piece::Place;
 use crate::script::filled::{Imports, filled};
 use crate::sections::sections;
-use crate::{Embedded, HostFile, Literal, concerns_shaders};
+use crate::{Embedded, HostFile, Literal, concerns_shaders, cpp};
 use blocks::Blocks;
 
 /// Endings of documents that a folder is searched for.
@@ -138,11 +138,20 @@ pub struct Printed {
 /// the file imports is read by `imports`.
 pub fn runnable_shaders(file: &SourceFile, imports: &mut Imports<'_>) -> Vec<Printed> {
     let mut all = printed_shaders(file);
-    if language_of(file.name()) != Some(Language::Script) {
-        return all;
+    let piece = |e: &Embedded| Some(Printed { part: true, ..printed(file, &e.name, e.stage, &e.literal)? });
+    match language_of(file.name()) {
+        Some(Language::Script) => {}
+        Some(Language::Host) => {
+            all.extend(cpp::embedded::pieces(&HostFile::new(file, true)).iter().filter_map(piece));
+            all.sort_by_key(|shader| *shader.lines.start());
+            return all;
+        }
+        _ => return all,
     }
     let host = HostFile::script(file, true);
-    let known: Vec<Span> = host.embedded().iter().filter(|e| !e.partial).map(|e| e.place).collect();
+    let (pieces, whole): (Vec<&Embedded>, Vec<&Embedded>) = host.embedded().iter().partition(|e| e.partial);
+    let known: Vec<Span> = whole.iter().map(|e| e.place).collect();
+    all.extend(pieces.into_iter().filter_map(piece));
     all.extend(filled(file, &known, imports).into_iter().map(|filled| {
         let line = |offset: usize| file.position(offset).line;
         let lines = line(filled.place.start).saturating_sub(1)..=line(filled.place.end.saturating_sub(1)) + 1;
@@ -198,20 +207,21 @@ pub fn printed_shaders(file: &SourceFile) -> Vec<Printed> {
             shaders.map(|s| (s.name, s.stage, s.literal)).chain(strings).collect()
         }
     };
-    let printed = all.into_iter().filter_map(|(name, stage, literal)| {
-        let place = literal.place()?;
-        let last = file.position(place.end.saturating_sub(1)).line;
-        let lines = file.position(place.start).line.saturating_sub(1)..=last + 1;
-        Some(Printed {
-            file: literal.assembled(file, &name),
-            stage,
-            lines,
-            notes: Vec::new(),
-            made_up: Vec::new(),
-            open: None,
-            part: false,
-            resting: Vec::new(),
-        })
-    });
-    printed.collect()
+    all.iter().filter_map(|(name, stage, literal)| printed(file, name, *stage, literal)).collect()
+}
+
+/// A text that stands in a file, to be run.
+fn printed(file: &SourceFile, name: &str, stage: Stage, literal: &Literal) -> Option<Printed> {
+    let place = literal.place()?;
+    let last = file.position(place.end.saturating_sub(1)).line;
+    Some(Printed {
+        file: literal.assembled(file, name),
+        stage,
+        lines: file.position(place.start).line.saturating_sub(1)..=last + 1,
+        notes: Vec::new(),
+        made_up: Vec::new(),
+        open: None,
+        part: false,
+        resting: Vec::new(),
+    })
 }

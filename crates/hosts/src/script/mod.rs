@@ -197,22 +197,7 @@ fn stage(text: &Text) -> Option<Stage> {
             Err(marks::Mixed) => None,
         };
     }
-    // A part is known by its functions.
-    let types = has(&["vec2", "vec3", "vec4", "mat2", "mat3", "mat4", "sampler2D"]);
-    (types && defines_function(&code)).then_some(Stage::Library)
-}
-
-/// True when a line begins with the head of a function of GLSL.
-fn defines_function(code: &str) -> bool {
-    let types = ["void", "bool", "int", "uint", "float", "vec2", "vec3", "vec4", "mat2", "mat3", "mat4"];
-    code.match_indices('{').any(|(at, _)| {
-        let head = code[..at].trim_end().rsplit([';', '}', '{', '\n']).next().unwrap_or("").trim();
-        let Some((before, arguments)) = head.split_once('(') else { return false };
-        let words: Vec<&str> = before.split_whitespace().collect();
-        let [ty, name] = words[..] else { return false };
-        let named = name.chars().all(|c| c.is_alphanumeric() || c == '_');
-        types.contains(&ty) && named && arguments.ends_with(')') && !arguments.contains(['=', '.'])
-    })
+    marks::is_part(&code).then_some(Stage::Library)
 }
 
 /// What a string of a script leaves open: `partial` says that something is filled in, and `lacks` that the text has no

@@ -83,6 +83,19 @@ fn guards_on_the_place_in_the_dispatch_are_known_in_the_first_group() {
 }
 
 #[test]
+fn one_invocation_does_not_meet_itself() {
+    let sorts = |guard: &str| {
+        glsl(&format!(
+            "s[i] = data[i]; barrier(); if ({guard}) {{ for (uint k = 0u; k < 4u; k++) {{ uint m = k; uint most = s[k];\n\
+             for (uint j = k + 1u; j < 64u; j++) if (s[j] > most) {{ most = s[j]; m = j; }}\n\
+             if (m != k) {{ uint t = s[k]; s[k] = s[m]; s[m] = t; }} data[k] = s[k]; }} }}"
+        ))
+    };
+    assert_eq!(sorts("i == 0u"), 0);
+    assert_eq!(sorts("i < 2u"), 2, "who reads, and who writes");
+}
+
+#[test]
 fn what_excludes_each_other_is_in_order() {
     assert_eq!(glsl("if (n > 4u) { s[i] = 1u; } else { data[i] = s[63u - i]; }"), 0);
     assert_eq!(glsl("uint m = n; if (m > 4u) s[i] = 1u; if (m > 4u) barrier(); if (m > 4u) data[i] = s[i ^ 1u];"), 0);

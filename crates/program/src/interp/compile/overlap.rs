@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use naga::{Expression, Handle, Statement};
+use naga::{Expression, Function, Handle, Module, Statement};
 
 use super::super::code::{Inst, Reg, Register};
 use super::{Compiler, Evaluated, Frame, Pointer, types};
@@ -30,6 +30,7 @@ impl<'m> Compiler<'m> {
     pub(super) fn note_overlaps(
         &mut self,
         frame: &mut Frame<'m>,
+        function: &Function,
         arguments: &[Handle<Expression>],
         values: &[Evaluated],
         rest: &'m [Statement],
@@ -37,6 +38,10 @@ impl<'m> Compiler<'m> {
     ) {
         let passed: Vec<usize> = (0..values.len()).filter(|&k| matches!(values[k], Evaluated::Pointer(_))).collect();
         if passed.len() < 2 {
+            return;
+        }
+        // Who reads through both finds the same in both.
+        if !passed.iter().any(|&k| writes(self.module, function, k)) {
             return;
         }
         let mut targets = Vec::new();
@@ -125,6 +130,51 @@ fn loads(frame: &Frame<'_>, value: Handle<Expression>, from: Handle<Expression>)
         | Expression::As { expr: base, .. } => loads(frame, base, from),
         _ => false,
     }
+}
+
+/// True where a function, or one that it calls, writes through its argument number `argument`.
+fn writes(module: &Module, function: &Function, argument: usize) -> bool {
+    let root = |mut pointer: Handle<Expression>| loop {
+        match function.expressions[pointer] {
+            Expression::Access { base, .. } | Expression::AccessIndex { base, .. } => pointer = base,
+            Expression::FunctionArgument(k) => break Some(k as usize),
+            _ => break None,
+        }
+    };
+    let is_own = |pointer: Handle<Expression>| root(pointer) == Some(argument);
+    let mut blocks = vec![&function.body];
+    while let Some(block) = blocks.pop() {
+        for statement in block {
+            let written = match statement {
+                Statement::Store { pointer, .. } | Statement::Atomic { pointer, .. } => is_own(*pointer),
+                Statement::Call { function, arguments, .. } => {
+                    let callee = &module.functions[*function];
+                    arguments.iter().enumerate().any(|(k, passed)| is_own(*passed) && writes(module, callee, k))
+                }
+                Statement::Block(inner) => {
+                    blocks.push(inner);
+                    false
+                }
+                Statement::If { accept, reject, .. } => {
+                    blocks.extend([accept, reject]);
+                    false
+                }
+                Statement::Switch { cases, .. } => {
+                    blocks.extend(cases.iter().map(|case| &case.body));
+                    false
+                }
+                Statement::Loop { body, continuing, .. } => {
+                    blocks.extend([body, continuing]);
+                    false
+                }
+                _ => false,
+            };
+            if written {
+                return true;
+            }
+        }
+    }
+    false
 }
 
 /// What a pointer to a part is made from.

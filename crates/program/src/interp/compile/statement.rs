@@ -314,7 +314,7 @@ impl<'m> Compiler<'m> {
         // Slots may have returned before they wrote.
         self.assigned = assigned;
         self.push(Inst::Call { body });
-        self.note_overlaps(frame, arguments, &values, rest, span);
+        self.note_overlaps(frame, function, arguments, &values, rest, span);
         if let Some(result) = result {
             // The registers of the result are written again when this call is run again.
             let copies = self.copies(&registers);
