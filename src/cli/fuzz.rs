@@ -291,22 +291,32 @@ pub(super) fn subjects(
     // What the linter does not tell either, since something that nobody stated decides.
     let unsure = doubtful.iter().all(|doubtful| *doubtful);
     // Of a piece, what is wrong beside what it lacks comes first; a text in another language is told where it is named.
-    let first_told = |error: &Diagnostic| [errors::INCLUDE, errors::OTHER_LANGUAGE].contains(&error.code);
-    let is_told = errors.iter().any(first_told) || !parsed.shader.lacking().is_empty();
+    let is_told =
+        errors.iter().any(|error| error.code == errors::OTHER_LANGUAGE) || !parsed.shader.lacking().is_empty();
+    // What a file that is not there would change, nobody knows.
+    let of_file =
+        |error: &Diagnostic| Diagnostic { message: parsed.shader.file().slice(error.span).into(), ..error.clone() };
+    let lacks_file = errors.iter().find(|error| error.code == errors::INCLUDE).map(of_file);
+    let open = lacks_file.is_some() || source.open().is_some();
+    let is_sure = |(error, doubtful): (&Diagnostic, &bool)| !doubtful && error.code != errors::INCLUDE;
+    let sure = lacks_file.is_some() && errors.iter().zip(&doubtful).any(is_sure);
     let of_host = errors.iter().find(|error| is_of_host(error)).filter(|_| unsure).cloned();
     if !errors.is_empty() {
         // Where some functions do not compile, the others run.
         let mut subjects = Vec::new();
-        if let Some((shader, broken)) = spared::shader(source, &parsed.shader, &errors, (define, of_host.is_some())) {
+        if let Some((shader, broken)) =
+            spared::shader(source, &parsed.shader, &errors, (define, open || of_host.is_some()))
+        {
             let wanted = |name: &str| wanted(name) && !source.is_assumed(name);
             subjects = fuzz::subjects(&shader, &wanted).map_err(unstated)?;
             subjects.extend(broken.subjects().filter(|one| wanted(&one.name)));
             known.extend(subjects.iter().flat_map(|one| [one.label.clone(), one.name.clone()]));
         }
-        let why = match (&of_host, source.open()) {
-            (Some(first), _) => Some(("its host has to make it a whole shader", first)),
-            (None, Some(open)) => errors.first().map(|first| (open, first)),
-            (None, None) => errors.first().filter(|_| unsure && !is_told).map(|first| (HOST_DECIDES, first)),
+        let why = match (&of_host, source.open(), &lacks_file) {
+            (Some(first), ..) => Some(("its host has to make it a whole shader", first)),
+            (None, Some(open), _) => errors.first().map(|first| (open, first)),
+            (None, None, Some(first)) if !sure => Some(("it includes what is not there", first)),
+            _ => errors.first().filter(|_| unsure && !is_told).map(|first| (HOST_DECIDES, first)),
         };
         if let Some((why, first)) = why {
             if subjects.iter().all(|subject| subject.ready.is_err()) {

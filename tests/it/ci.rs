@@ -260,7 +260,7 @@ fn the_script_alone_gives_status_and_reports() {
     script(wrong.path(), &["tone.glsl"], &[("RUN", "lint")]).expect(1);
     script(wrong.path(), &["tone.suite.toml"], &[("RUN", "check")]).expect(1);
     // What has no suite is fuzzed, and what is found stands on the page and in the reports.
-    fs::write(wrong.path().join("root.glsl"), "float f(float x) { return sqrt(x - 8.0); }\n").unwrap();
+    fs::write(wrong.path().join("root.glsl"), "float f(float x) { return sqrt(-8.0 - x * x); }\n").unwrap();
     let variables = [("RUN", "fuzz"), ("FUZZ_ARGS", "--samples 999"), ("SUMMARY", "page.md"), ("FORMAT", "github")];
     let ran = script(wrong.path(), &["root.glsl"], &variables).expect(1);
     assert!(ran.out.contains("::error file=root.glsl,line=1,col=27,title=shadercheck no_value::"), "{}", ran.out);

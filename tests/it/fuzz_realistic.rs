@@ -102,6 +102,13 @@ fn what_needs_a_guess_is_a_warning_and_what_no_value_mends_is_an_error() {
     };
     told("vec2 disc(float u1, float u2) { return sqrt(1.0 - u1 * u1) * vec2(cos(u2), sin(u2)); }");
     told("float part(float vanillaDiffuse, vec3 albedo) { return albedo.x * 4.0 / vanillaDiffuse; }");
+    // Four numbers in one word, and a temperature.
+    told("vec4 unpacked(uint data) { vec4 v = unpackUnorm4x8(data); return v / v.y; }");
+    told("float planck(float t) { return 1.0 / exp(-400.0 / t); }");
+    is_silent(&only(
+        "float held(uint data) { return 1.0 / (1.0 + uintBitsToFloat(data) * uintBitsToFloat(data)); }",
+        "",
+    ));
     is_error(&only("float never(float u) { return sqrt(-1.0 - u * u); }", ""));
     is_error(&only("vec3 straight(vec4 color, float u) { return u * color.rgb / color.a; }", ""));
     assert!(only("vec2 disc(float u1) { return vec2(sqrt(1.0 - u1 * u1), u1); }", "u1=[-2,2]").fails());

@@ -79,6 +79,38 @@ fn a_text_that_is_c_without_a_name_is_read_with_it() {
     assert!(ran.expect(1).out.contains("error["));
 }
 
+/// Parts of shaders in strings of host code, and what a macro of a header is given, which can only be a shader.
+#[test]
+fn strings_of_a_host_are_run_as_what_they_are() {
+    let part = "export const FALLOFF = `\nuniform float uReach;\n\
+        float falloff(float q) { return sqrt(-1.0 - q * q) * uReach * ${SCALE}.0; }\n\
+        float near(vec3 p) { return dot(p, p) * uReach; }\n`;\n";
+    let ran = fuzz("light.ts", part, "");
+    assert!(ran.out.contains("ok    near "), "{ran:?}");
+    assert!(ran.out.contains("light.ts:3:") && ran.out.contains("sqrt(-"), "{ran:?}");
+    let c = "#include \"gpu.h\"\n// The shader.\nstatic const char* halve = CODE(\n  @group(0) @binding(0) var<storage, read_write> a : array<u32>;\n\
+        @compute @workgroup_size(8)\n  fn main(@builtin(global_invocation_id) id : vec3<u32>) {\n    a[id.x / 2u] = id.x;\n  }\n);\n";
+    let ran = fuzz("halve.c", c, "").expect(1);
+    assert!(ran.out.contains("halve.c:7:") && ran.out.contains("race on `a[0]`"), "{ran:?}");
+    assert!(
+        fuzz("copy.c", &c.replace("a[id.x / 2u] = id.x;", "if (id.x < arrayLength(&a)) { a[id.x] = id.x; }"), "")
+            .out
+            .contains("ok    main")
+    );
+    // A call of the host is none.
+    let host = "// A shader.\nint main(void) {\n  DRAW(void main(), 3);\n  return RUN(1);\n}\n";
+    fuzz("host.c", host, "").expect(2);
+}
+
+/// A file that is not there keeps only those functions from running that need it.
+#[test]
+fn what_needs_no_missing_file_runs() {
+    let text = "varying vec3 n;\n#include <common>\nfloat luma(vec3 c) { return dot(c, vec3(0.3, 0.6, 0.1)); }\n\
+        void main() { Lit lit = Lit(n, n, 1.0); gl_FragColor = vec4(lit.direct * luma(n), 1.0); }\n";
+    let ran = fuzz("a.frag", text, "").expect(0);
+    assert!(ran.out.contains("ok    luma ") && ran.out.contains("main                 not run"), "{ran:?}");
+}
+
 /// Lines that a host reads, and a placeholder: what compiles without them is run.
 #[test]
 fn the_functions_of_a_text_run_that_its_host_has_no_hand_in() {

@@ -460,3 +460,28 @@ fn what_another_reader_finds_is_told_beside_what_it_does_not_seek() {
     let folder = folder(&[("a.wgsl", &text("61u")), ("b.wgsl", &text("3u"))]);
     assert_eq!(codes(&lint(folder.path(), ". --format json")), ["a.wgsl E902", "a.wgsl W001", "b.wgsl W001"]);
 }
+
+/// What no option of a library changes is told, whatever its version; a file that is missing may overload built-in functions.
+#[test]
+fn types_that_no_option_mends_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let library = "#if defined NORMAL_MAPPING\nvoid decode(inout vec3 n) { n = n * 2.0 - 1.0; }\n#endif\n\
+        vec3 unpacked(in uint data) { uvec4 v = data >> uvec4(0u, 8u, 16u, 24u); return vec3(v.rgb); }\n";
+    write("wrong.glsl", library);
+    write("right.glsl", &library.replace("data >>", "uvec4(data) >>"));
+    write(
+        "missing.frag",
+        "#version 450\n#include \"light.glsl\"\nlayout(location = 0) in vec4 c;\n\
+        layout(location = 0) out vec4 o;\nvoid main() { o = vec4(textureProj(c, c.xy, 1)); }\n",
+    );
+    write(
+        "shadow.csh",
+        "#version 430\nlayout(local_size_x = 8) in;\nlayout(r32ui) uniform uimage2D img;\n\
+        void main() { uint m = imageLoad(img, ivec2(0)).r; uvec3 v = m >> uvec3(0, 2, 4); imageStore(img, ivec2(0), uvec4(v.x)); }\n",
+    );
+    write("shell.csh", "#!/bin/csh\nset path = (/usr/bin)\n");
+    let ran = run_in(folder.path(), "lint .").expect(1);
+    assert!(ran.out.contains("wrong.glsl:4:") && ran.out.contains("shadow.csh:4:"), "{ran:?}");
+    assert!(ran.err.contains("2 errors") && !ran.out.contains("shell.csh"), "{ran:?}");
+}

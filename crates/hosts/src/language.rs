@@ -23,6 +23,8 @@ pub const SHADER_EXTENSIONS: &[&str] = &[
     "tes",
     "vsh",
     "fsh",
+    "gsh",
+    "csh",
     "vertexshader",
     "fragmentshader",
     "geometryshader",

@@ -368,7 +368,7 @@ fn under_conditions(shader: &Shader, asked: &BTreeSet<String>, found: &[Diagnost
     let mut kept = vec![true; found.len()];
     for defines in conditions::each_and_all(asked) {
         let defines = [&defines[..], shader.defines()].concat();
-        let other = Shader::parse_with(shader.file(), shader.stage(), &defines);
+        let other = shader.with_defines(&defines);
         for (kept, error) in kept.iter_mut().zip(found).filter(|(kept, _)| **kept) {
             let left_out = conditions::place_of(&other.shader, error.span) == Some(TokenPlace::Inactive);
             // An `#error` asks whoever defines macros for one of them.

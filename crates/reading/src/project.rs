@@ -42,6 +42,8 @@ fn is_other_language(path: &str, text: &str) -> bool {
     }
     match extension(path).to_ascii_lowercase().as_str() {
         "shader" => true,
+        // Shells have scripts with this ending.
+        "csh" => !hosts::marks::has_main(text),
         "vp" | "fp" | "cont" | "eval" => !hosts::marks::has_main(text) && !text.contains("#version"),
         // F# has the ending of fragment shaders, and ends no statement.
         "fs" | "vs" | "gs" if !hosts::marks::has_main(text) => ends_nothing(text),

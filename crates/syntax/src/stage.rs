@@ -79,7 +79,7 @@ const ROWS: [Row; 6] = [
     Row {
         stage: Stage::Compute,
         name: "compute",
-        words: &["compute", "comp", "cs"],
+        words: &["compute", "comp", "cs", "csh"],
         endings: &[],
         spoken: &[],
         stems: &["compute"],

@@ -9,7 +9,7 @@ use program::interp::group::{Incident, Sources, Space, Wrong};
 
 use super::Dispatched;
 use super::host::Length;
-use super::run::Met;
+use super::run::{Met, SPREAD, is_spread};
 use base::value::Scalar;
 
 /// Elements along an axis, in the order in which axes get them: multiples of what kernels take for tiles, and different.
@@ -80,9 +80,14 @@ impl Dispatched {
         for (&axis, whole) in self.axes.iter().zip(WHOLE) {
             items[axis] = whole.next_multiple_of(self.size[axis]);
         }
-        let scenario = self.scenario(items, Some(lengths), 0);
-        let outcome = self.play(&scenario, 0);
-        // What was cut off may have met behind that.
-        !outcome.whole || outcome.incidents.iter().any(|other| other.is_same(incident))
+        let meets = |variant: u64, lengths: &[Length]| {
+            let outcome = self.play(&self.scenario(items, Some(lengths), variant), 0);
+            // What was cut off may have met behind that.
+            !outcome.whole || outcome.incidents.iter().any(|other| other.is_same(incident))
+        };
+        match is_spread(met.scenario.variant) {
+            true => SPREAD.into_iter().any(|variant| meets(variant, &self.lengths_with(variant))),
+            false => meets(0, lengths),
+        }
     }
 }

@@ -8,6 +8,7 @@ use program::interp::group::{
 };
 use program::interp::{Column, Executable, Number, Plain};
 
+use super::run::is_spread;
 use super::setting::{Setting, is_tag, setting};
 use super::{Dispatched, images};
 use base::value::Scalar;
@@ -40,6 +41,8 @@ pub(super) struct Scenario {
     pub turns: Turns,
     /// What real numbers buffers hold before.
     pub contents: Contents,
+    /// Number of the choices of the host.
+    pub variant: u64,
     /// The one of `settings` that is 0 for once.
     pub empty: Option<usize>,
 }
@@ -371,7 +374,8 @@ impl Dispatched {
                     let counted = self.uses.atomics.contains(&(k as u32));
                     let chosen = host.fixed((shape, counted), (leaf, packed), &mut stream);
                     words[leaf.offset as usize] = chosen;
-                    if shape.space == Space::Uniform && leaf.scalar != Scalar::F32 {
+                    let is_set = shape.space == Space::Uniform || (is_spread(variant) && leaf.lens.is_empty());
+                    if is_set && leaf.scalar != Scalar::F32 {
                         let place = (k as u32, leaf.offset);
                         settings.push(Chosen { name: named(shape, leaf), value: chosen, place });
                     }
@@ -411,8 +415,25 @@ impl Dispatched {
             subgroup: WIDTH,
             turns: Turns::default(),
             contents,
+            variant,
             empty: None,
         }
+    }
+
+    /// True where a host sets whole numbers whose names do not say what they are.
+    pub(super) fn has_open_numbers(&self) -> bool {
+        let many = self.axes.len() > 1;
+        self.executable.memories().iter().enumerate().any(|(k, shape)| {
+            let is_host = shape.space == Space::Uniform || matches!(shape.space, Space::Storage { .. });
+            let counted = self.uses.atomics.contains(&(k as u32));
+            let is_open = |leaf: &Leaf| {
+                let name = if leaf.name.is_empty() { &shape.name } else { &*leaf.name };
+                let whole = matches!(leaf.scalar, Scalar::I32 | Scalar::U32) && leaf.lens.is_empty();
+                let open = setting(name, leaf.component, many) == Setting::Open || shape.space != Space::Uniform;
+                whole && open && self.uses.reads(k as u32, leaf.offset)
+            };
+            is_host && !counted && shape.fixed.iter().any(is_open)
+        })
     }
 
     /// A scenario with each of its whole numbers at 0 in turn. What the program takes for a real number as well, such as what
@@ -500,9 +521,13 @@ impl Host {
                 }
                 // What is written is counted up from 0.
                 if matches!(shape.space, Space::Storage { writes: true }) {
-                    return 0;
+                    return if is_spread(self.variant) && !counted { self.spread(stream) } else { 0 };
                 }
-                if packed.is_empty() { self.count(name, leaf.component) } else { self.packed(name, packed) }
+                match packed {
+                    [] if is_spread(self.variant) && self.count(name, leaf.component).is_none() => self.spread(stream),
+                    [] => self.count(name, leaf.component).unwrap_or([1, 0, 2, 3][(self.variant % 4) as usize]),
+                    packed => self.packed(name, packed),
+                }
             }
         }
     }
@@ -520,16 +545,22 @@ impl Host {
         packed.iter().enumerate().fold(0, |word, (k, bits)| word | number(k, bits) << bits.first)
     }
 
-    /// A whole number of a uniform, by its name.
-    fn count(&self, name: &str, component: Option<u32>) -> u32 {
+    /// A whole number of which nothing is known, and which is seldom that of another.
+    fn spread(&self, stream: &mut Stream) -> u32 {
+        let most = self.items.iter().copied().max().unwrap_or(1).clamp(4, 64);
+        1 + stream.below(most as usize) as u32
+    }
+
+    /// A whole number of a uniform, by its name; none where that says nothing.
+    fn count(&self, name: &str, component: Option<u32>) -> Option<u32> {
         let many = self.items.iter().filter(|&&n| n > 1).count() > 1;
-        match setting(name, component, many) {
+        Some(match setting(name, component, many) {
             Setting::Zero => 0,
             Setting::Groups => self.groups.iter().product(),
             Setting::Along(axis) => self.items.get(axis).copied().unwrap_or(1),
             Setting::All => self.items.iter().product(),
-            Setting::Open => [1, 0, 2, 3][(self.variant % 4) as usize],
-        }
+            Setting::Open => return None,
+        })
     }
 
     /// Random numbers in the bits of one word of an array.

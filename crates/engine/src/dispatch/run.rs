@@ -27,6 +27,14 @@ const OTHER: u32 = 0x5bd1_e995;
 /// The choices of a host that puts numbers into buffers of which functions may be too large for binary32.
 pub(super) const LARGE: u64 = 5;
 
+/// The choices of a host whose numbers differ from each other, first and last.
+pub(super) const SPREAD: std::ops::Range<u64> = LARGE + 1..LARGE + 5;
+
+/// True for the choices of such a host.
+pub(super) fn is_spread(variant: u64) -> bool {
+    SPREAD.contains(&variant)
+}
+
 /// Something that went wrong, with the first scenario that shows it.
 pub(super) struct Met {
     pub incident: Incident,
@@ -125,6 +133,7 @@ pub fn run(subject: &Dispatched, made_up: bool, command: &str, report: &mut Func
             }
         }
     }
+    with_other_numbers(subject, &mut met, report);
     without_value(subject, &lengths, &mut met, report);
     let ordered = super::orders::run(subject, &lengths, &mut met, report, command);
     met.iter_mut().for_each(|met| met.doubtful = subject.is_doubtful(met, &lengths));
@@ -157,6 +166,39 @@ fn by_cause(subject: &Dispatched, met: &[Met], command: &str) -> Vec<Finding> {
         }
     }
     found.into_iter().map(|(_, finding)| finding).collect()
+}
+
+/// Looks for invocations that get in each other's way where the numbers of a host differ from each other, and get to what the
+/// small ones of other hosts keep them from.
+fn with_other_numbers(subject: &Dispatched, met: &mut Vec<Met>, report: &mut FunctionReport) {
+    if !subject.has_open_numbers() {
+        return;
+    }
+    // Two workgroups write at one place where a host would not dispatch both of them.
+    let reads = |incident: &Incident| {
+        let both = [Some(incident.who), incident.other].into_iter().flatten();
+        let within = incident.other.is_some_and(|other| other.group == incident.who.group);
+        within || both.into_iter().any(|party| party.access == Access::Read)
+    };
+    let among = |incident: &Incident| match incident.what {
+        Wrong::Unordered | Wrong::Divergence => true,
+        Wrong::Race => reads(incident),
+        _ => false,
+    };
+    for variant in SPREAD {
+        let lengths = subject.lengths_with(variant);
+        for items in subject.sizes().into_iter().rev().step_by(3) {
+            if interrupt::asked() || met.iter().any(|met| among(&met.incident)) {
+                return;
+            }
+            let scenario = subject.scenario(items, Some(&lengths), variant);
+            let outcome = subject.play(&scenario, 0);
+            report.dispatches += 1;
+            for incident in outcome.incidents.into_iter().filter(among) {
+                note(subject, met, incident, &scenario, Said::default(), &lengths);
+            }
+        }
+    }
 }
 
 /// Looks for NaN with contents of buffers on which formulas break. Others follow from the first one, which is told.

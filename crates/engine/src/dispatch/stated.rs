@@ -38,6 +38,7 @@ pub fn open_meaning(author: &Program, kernel: &Kernel, batch: &Batch) -> Result<
             subgroup: WIDTH,
             turns: Turns::default(),
             contents,
+            variant: 0,
             empty: None,
         };
         let outcome = subject.play(&scenario, 0);

@@ -3,6 +3,7 @@
 use super::domain::Domain;
 use super::finding::FuzzFindingKind;
 use super::name::{Key, name};
+use super::realistic::FAR;
 use super::scan::{Look, scan};
 use super::subject::Ready;
 use base::value::Scalar;
@@ -12,7 +13,7 @@ use property::Sample;
 const OTHERS: [u32; 5] = [1, 2, 3, 16, 64];
 
 /// Samples with other values in the places of those that no name explains.
-const REDRAWN: u64 = 5;
+const REDRAWN: u64 = FAR + 1;
 
 /// True where trouble with this name goes away with other values of inputs of which nobody stated the values: with other
 /// whole numbers in uniforms, and for what operations on real numbers bring about with other values of all inputs that may

@@ -19,6 +19,9 @@ const AT_AN_EDGE: usize = 8;
 /// Key of values that are drawn again.
 const REDRAWN: u64 = 0x9e37;
 
+/// The number of the values that are drawn far from 0.
+pub(super) const FAR: u64 = 5;
+
 /// How short interpolation leaves a direction.
 const SHORTENED: f64 = 0.5;
 
@@ -55,6 +58,8 @@ enum Draw {
     Turn(Stretch),
     /// `gl_FragCoord`, between the centres of two pixels.
     Screen { low: f64, high: f64 },
+    /// Bits of any numbers that are packed, or of one real number.
+    Bits { real: bool },
     /// By a generator of suites.
     By(&'static dyn Generator, Box<Group>),
 }
@@ -227,6 +232,11 @@ impl Realistic {
             for (k, drawn) in drawn.iter().enumerate().filter(|(k, drawn)| !drawn.sure && !stated(domain, (side, *k))) {
                 let out = &mut words[record.range(k)];
                 match drawn.draw {
+                    // Once, it is far from 0: a temperature, a distance.
+                    Draw::Interval { .. } if key == FAR && [guess::ANY, guess::SHARE].contains(&drawn.taken_for) => {
+                        let far = |stream: &mut Stream| (stream.between(1.0, 12.0).exp2() as f32).to_bits();
+                        out.iter_mut().for_each(|word| *word = far(&mut stream));
+                    }
                     Draw::Interval { .. } if drawn.taken_for == guess::ANY => {
                         let sign = if key.is_multiple_of(2) { 1.0 } else { -1.0 };
                         let drawn = |stream: &mut Stream| (sign * stream.between(0.0625, 0.9375) as f32).to_bits();
@@ -290,6 +300,8 @@ fn drawn(field: &Field, guess: &Guess, varying: bool) -> Draw {
             Draw::Direction { varying, fourth }
         }
         "point" if real => Draw::Point { low, high },
+        _ if guess.taken_for == guess::BITS => Draw::Bits { real: true },
+        _ if guess.taken_for == guess::PACKED => Draw::Bits { real: false },
         name => {
             let options = Options { range: guess.range, ..Options::default() };
             let group = by_name(name).and_then(|g| Some((g, Group::new(g, &[shape], options).ok()?)));
@@ -396,6 +408,10 @@ impl Draw {
                     };
                 }
             }
+            Self::Bits { real } => {
+                let any = |stream: &mut Stream| if *real { between(stream, -2.0, 2.0) } else { stream.bits() as u32 };
+                out.iter_mut().for_each(|word| *word = any(stream));
+            }
             Self::By(generator, group) => {
                 let place = Place { case_seed: stream.bits(), invocation: 0, exact: false };
                 generator.fill(group, place, stream, out);
@@ -454,6 +470,7 @@ impl Draw {
                 };
                 values.iter().enumerate().all(inside)
             }
+            Self::Bits { real } => !real || words.iter().all(|&word| (-2.0..=2.0).contains(&f32::from_bits(word))),
             Self::By(generator, group) => generator.admits(group, words),
         }
     }
@@ -495,6 +512,7 @@ impl Draw {
                     let plain = [*low as f32, *low as f32, 0.5, 1.0];
                     element.iter_mut().zip(plain).for_each(|(word, value)| *word = value.to_bits());
                 }
+                Self::Bits { .. } => element.fill(one),
                 Self::By(..) => {}
             }
         }

@@ -10,7 +10,7 @@ use property::generators::{self, Options};
 
 pub use passed::Passed;
 pub use usage::{Usage, Usages, Uses};
-pub use words::TEXTURE_COORDINATES;
+pub use words::{SHARE, TEXTURE_COORDINATES};
 
 /// A guess: a generator, its range where it takes one, and why.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,12 +62,16 @@ pub const ANY: &str = "any number";
 /// What a matrix is taken for that nothing explains.
 const ANY_MATRIX: &str = "any matrix";
 const WHOLE: &str = "a small whole number";
+/// What a whole number is taken for that holds several numbers.
+pub const PACKED: &str = "packed numbers";
+/// What a whole number is taken for that is read as a real one.
+pub const BITS: &str = "the bits of a number";
 const PROJECTION: &str = "a projection";
 const COEFFICIENT: &str = "a coefficient";
 
 /// What an input is taken for of which names say little: what it is worth in a program may be something else.
-const UNSURE: [&str; 9] =
-    [ANY, ANY_MATRIX, WHOLE, PROJECTION, COEFFICIENT, SETTING, words::SHARE, words::SIZE, words::PIXELS];
+const UNSURE: [&str; 11] =
+    [PACKED, BITS, ANY, ANY_MATRIX, WHOLE, PROJECTION, COEFFICIENT, SETTING, words::SHARE, words::SIZE, words::PIXELS];
 
 /// Values that callers pass lie no farther apart where they say more than that a type has ends.
 const PASSED: f64 = 65_536.0;
@@ -194,6 +198,14 @@ fn matrix(name: &str, shape: Shape) -> Guess {
 /// What the shader does with an input tells where its name does not.
 fn by_use(shape: Shape, uses: &Uses) -> Option<Guess> {
     if shape.scalar != Scalar::F32 {
+        if uses.has(Usage::Bits) || uses.has(Usage::Packed) {
+            let ends = if shape.scalar == Scalar::U32 {
+                [0.0, f64::from(u32::MAX)]
+            } else {
+                [f64::from(i32::MIN), f64::from(i32::MAX)]
+            };
+            return Some(guess("index", Some(ends), if uses.has(Usage::Bits) { BITS } else { PACKED }));
+        }
         let most = uses.index_below()?;
         return Some(guess("index", Some([0.0, f64::from(most) - 1.0]), "an index"));
     }

@@ -27,6 +27,10 @@ pub enum Usage {
     Counted,
     /// In a shader that reads texels by their number.
     Texels,
+    /// Taken apart into numbers: any bits.
+    Packed,
+    /// Read as the bits of a number.
+    Bits,
     /// The index of an array with so many elements.
     IndexOf(u32),
 }
@@ -173,6 +177,8 @@ fn given_to(name: &str, argument: usize) -> Option<Usage> {
         ("asin" | "acos", 0) => Usage::Cosine,
         ("pow", 1) => Usage::Exponent,
         ("mix", 2) => Usage::Share,
+        ("uintBitsToFloat" | "intBitsToFloat" | "bitcast", 0) => Usage::Bits,
+        (name, 0) if name.starts_with("unpack") => Usage::Packed,
         ("texture" | "texture2D" | "textureLod", 1) => Usage::Coordinates,
         // WGSL names the sampler as well.
         ("textureSample" | "textureSampleLevel" | "textureSampleBias" | "textureSampleGrad", 2) => Usage::Coordinates,

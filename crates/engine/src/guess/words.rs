@@ -6,7 +6,8 @@ pub(super) const COLOUR: &str = "a colour";
 /// What texture coordinates are taken for.
 pub const TEXTURE_COORDINATES: &str = "texture coordinates";
 pub(super) const TIME: &str = "a time";
-pub(super) const SHARE: &str = "a share";
+/// What a number from 0 to 1 is taken for.
+pub const SHARE: &str = "a share";
 pub(super) const SIZE: &str = "a size";
 pub(super) const ANGLE: &str = "an angle";
 pub(super) const PIXELS: &str = "a number of pixels";

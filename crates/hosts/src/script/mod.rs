@@ -193,7 +193,12 @@ fn stage(text: &Text) -> Option<Stage> {
         }
         return match marks::stage(&code) {
             Ok(Some(stage)) => Some(stage),
-            Ok(None) => text.names.iter().find_map(|name| Stage::of_name(name)),
+            Ok(None) => {
+                // A whole vertex shader says where its vertex is.
+                let is_fragment = code.trim_start().starts_with("#version") && !has(&["gl_Position"]);
+                let named = text.names.iter().find_map(|name| Stage::of_name(name));
+                named.or_else(|| is_fragment.then_some(Stage::Fragment))
+            }
             Err(marks::Mixed) => None,
         };
     }

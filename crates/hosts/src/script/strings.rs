@@ -325,7 +325,13 @@ fn template(literal: &mut Literal, file: &SourceFile, inner: Span, escapes: bool
         let behind = text[hole.end..].split(line).next().unwrap_or("").trim();
         // Alone in its line it stands for lines.
         let lines = before.is_empty() && behind.is_empty();
-        let stands_for = if lines { " ".to_owned() } else { named(&text[hole.start..hole.end]) };
+        // `${N}.0`: digits of a number.
+        let is_number = text[hole.end..].strip_prefix('.').is_some_and(|rest| !rest.starts_with(char::is_alphabetic));
+        let stands_for = match (lines, is_number) {
+            (true, _) => " ".to_owned(),
+            (false, true) => "1".to_owned(),
+            (false, false) => named(&text[hole.start..hole.end]),
+        };
         literal.made(&stands_for, Span::new(inner.start + hole.start, inner.start + hole.end));
         at = hole.end;
     }
