@@ -11,12 +11,11 @@ use syntax::{Const, Shader};
 use super::builtin::Call;
 use super::key::Keys;
 use super::operator;
-use super::start::{beginning, hash, path, swizzle, unknown_of, within};
+use super::start::{beginning, folded, hash, path, specialized, swizzle, unknown_of, within};
 use super::state::State;
 use super::transfer as t;
 use super::value::{Evidence, Range, Sources, Value};
-use super::{MOST_VISITS, Visit, bits};
-use super::{Stated, stated};
+use super::{MOST_VISITS, Stated, Visit, bits, stated};
 
 /// Expressions that are looked at before the analysis gives up on the rest of a shader.
 const MOST_STEPS: usize = 400_000;
@@ -43,6 +42,7 @@ pub struct Machine<'s> {
     pub(super) watched: Option<(ExprId, Option<Value>)>,
     /// Variables by the place of their declaration.
     pub(super) declared: BTreeMap<usize, SymbolId>,
+    specialized: BTreeSet<SymbolId>,
     steps: usize,
     reached: Vec<FunctionId>,
 }
@@ -81,6 +81,7 @@ impl<'s> Machine<'s> {
             visits: BTreeMap::new(),
             watched: None,
             declared: shader.symbols().filter_map(|(id, s)| Some((s.span?.start, id))).collect(),
+            specialized: specialized(shader),
             steps: 0,
             reached: Vec::new(),
         }
@@ -168,7 +169,7 @@ impl<'s> Machine<'s> {
         }
         let value = self.eval_kind(id);
         let written = matches!(self.shader.expr(id).kind, ExprKind::Literal(_) | ExprKind::Name(_));
-        let mut value = match self.shader.fold(id) {
+        let mut value = match folded(self.shader, &self.specialized, id) {
             Some(Const::Bool(b)) => Value::scalar(Range::exactly(f64::from(u8::from(b)))),
             Some(Const::Int(v)) => Value::scalar(Range::exactly(f64::from(v))),
             Some(Const::Uint(v)) => Value::scalar(Range::exactly(f64::from(v))),
@@ -284,6 +285,7 @@ impl<'s> Machine<'s> {
 
     fn name(&self, id: ExprId) -> Value {
         match self.shader.symbol_of(id) {
+            Some(symbol) if self.specialized.contains(&symbol) => self.anything(id),
             Some(symbol) => self.state.vars.get(&symbol).cloned().unwrap_or_else(|| self.beginning(symbol)),
             None => self.anything(id),
         }

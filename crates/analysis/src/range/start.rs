@@ -1,13 +1,40 @@
 //! Values that variables begin with, and the names by which ranges are stated for them.
 
+use std::collections::BTreeSet;
+
 use syntax::ast::{ExprId, ExprKind};
 use syntax::interface::Storage;
 use syntax::symbols::{Symbol, SymbolId, SymbolKind};
 use syntax::types::{ScalarType, Type};
-use syntax::{Const, Shader};
+use syntax::{Const, Shader, walk};
 
 use super::value::{Evidence, Range, Sources, Value};
 use super::{Stated, builtin, operator};
+
+/// Constants that a host may set, and those that follow from them.
+pub fn specialized(shader: &Shader) -> BTreeSet<SymbolId> {
+    let mut found = BTreeSet::new();
+    for constant in &shader.interface().constants {
+        let follows = |value: ExprId| {
+            walk::expressions(shader, value)
+                .into_iter()
+                .any(|e| shader.symbol_of(e).is_some_and(|s| found.contains(&s)))
+        };
+        let is_set = constant.qualifiers.layout_entry("constant_id").is_some();
+        if is_set || constant.initializer.is_some_and(follows) {
+            found.insert(constant.symbol);
+        }
+    }
+    found
+}
+
+/// A value that follows from the text alone, and not from constants that a host may set.
+pub fn folded(shader: &Shader, specialized: &BTreeSet<SymbolId>, id: ExprId) -> Option<Const> {
+    let value = shader.fold(id)?;
+    let is_set = |e: ExprId| shader.symbol_of(e).is_some_and(|symbol| specialized.contains(&symbol));
+    let set = !specialized.is_empty() && walk::expressions(shader, id).into_iter().any(is_set);
+    (!set).then_some(value)
+}
 
 /// The value of a variable that was not written yet.
 pub fn beginning(shader: &Shader, stated: &[Stated], id: SymbolId) -> Value {

@@ -172,4 +172,16 @@ mod tests {
             ],
         );
     }
+
+    #[test]
+    fn a_constant_that_a_host_sets_has_any_value() {
+        let text = |id: &str| {
+            format!(
+                "#version 450\n{id}const int SIZE = 0;\nconst float HALF = 0.5 * float(SIZE);\n\
+                 layout(location = 0) out vec4 o;\nvoid main() {{ o = vec4(1.0 / float(SIZE), 1.0 / HALF, 0.0, 1.0); }}\n"
+            )
+        };
+        let count = |id: &str| super::super::testing::default_count(RULE.code, "a.frag", &text(id));
+        assert_eq!([count("layout(constant_id = 0) "), count("")], [0, 2]);
+    }
 }
