@@ -48,7 +48,7 @@ impl LeftOut {
         for error in errors {
             let at = error.span.start;
             let own = error.file == *file;
-            if open && own && [errors::UNKNOWN_DIRECTIVE, errors::INCLUDE].contains(&error.code) {
+            if open && own && [errors::UNKNOWN_DIRECTIVE, errors::INCLUDE, errors::LATE_VERSION].contains(&error.code) {
                 gone.push(line_of(file.text(), at));
                 continue;
             }

@@ -108,7 +108,24 @@ fn what_needs_no_missing_file_runs() {
     let text = "varying vec3 n;\n#include <common>\nfloat luma(vec3 c) { return dot(c, vec3(0.3, 0.6, 0.1)); }\n\
         void main() { Lit lit = Lit(n, n, 1.0); gl_FragColor = vec4(lit.direct * luma(n), 1.0); }\n";
     let ran = fuzz("a.frag", text, "").expect(0);
-    assert!(ran.out.contains("ok    luma ") && ran.out.contains("main                 not run"), "{ran:?}");
+    assert!(ran.out.contains("ok    luma ") && ran.out.contains("ok    main "), "{ran:?}");
+    // The place of a vertex, in a text that does not say of which stage it is.
+    let ran = fuzz("a.glsl", "varying vec3 n;\nfloat luma() { return dot(n, vec3(0.3, 0.6, 0.1)); }\n", "").expect(0);
+    assert!(ran.out.contains("ok    luma "), "{ran:?}");
+}
+
+/// A pack states its version in a file that all others include.
+#[test]
+fn a_version_that_an_include_states_late_is_its_hosts_business() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("core.glsl", "#ifdef CORE\n#version 460 core\n#else\n#version 460 compatibility\n#endif\n");
+    let main = "in vec2 uv;\nlayout(location = 0) out vec4 c;\nvoid main() { c = vec4(uv, 0.0, 1.0); }\n";
+    write("a.fsh", &format!("#include \"/core.glsl\"\n{main}"));
+    let ran = run_in(folder.path(), "fuzz a.fsh --lane embedded --samples 64").expect(0);
+    assert!(ran.out.contains("ok    main"), "{ran:?}");
+    write("c.fsh", &format!("{main}#version 460\n"));
+    assert!(run_in(folder.path(), "fuzz c.fsh --lane embedded --samples 64").expect(1).out.contains("V001"));
 }
 
 /// Lines that a host reads, and a placeholder: what compiles without them is run.

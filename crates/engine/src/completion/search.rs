@@ -265,12 +265,13 @@ impl<'p> Search<'p> {
         };
         let mut stands = std::mem::take(&mut self.done.declared);
         stands.retain_mut(|stand| {
-            let has = matches!(stand.form, Form::Include(_) | Form::File(..)) || has_members(&stand.name);
-            if !has && let Some(members) = made_of(&shader, &stand.name) {
-                stand.form = Form::Structure(members);
+            if matches!(stand.form, Form::Include(_) | Form::File(..)) {
                 return true;
             }
-            has
+            let made = made_of(&shader, &stand.name);
+            let is_made = made.is_some();
+            stand.form = Form::Structure(made.unwrap_or_default());
+            is_made || has_members(&stand.name)
         });
         self.done.declared = stands;
         self.members();
@@ -444,6 +445,14 @@ impl<'p> Search<'p> {
             let before = self.others(&parsed);
             let called = format!("{}_{member}", structure.trim_end_matches('_'));
             let mut shapes = self.shapes(shader, (&called, before_end), &asked);
+            if let Form::Structure(members) = &self.done.declared[of].form {
+                let mut free: Vec<Shape> = free(members).map(|(_, shape)| shape.clone()).collect();
+                free.sort_by_key(|shape| shapes.iter().position(|own| own == shape).unwrap_or(usize::MAX));
+                if !free.is_empty() {
+                    self.best(before, free, &|declared, shape| call(&mut declared[of].form, &member, &shape));
+                    continue;
+                }
+            }
             if asked.members.is_empty() {
                 shapes.extend(TEXTURES.iter().map(|ty| Shape::one(*ty)));
             }
@@ -488,13 +497,35 @@ fn structures(shader: &Shader) -> Vec<String> {
     shader.unit().items.iter().filter_map(named).collect()
 }
 
+/// Members that nothing asks for by name.
+fn free(members: &[(String, Shape)]) -> impl Iterator<Item = &(String, Shape)> {
+    members.iter().enumerate().filter(|(k, (name, _))| *name == unnamed(*k)).map(|(_, member)| member)
+}
+
+/// What a member is called that a structure is made with.
+fn unnamed(k: usize) -> String {
+    format!("member{k}")
+}
+
+/// Calls the first member that nothing asks for, and that has this shape, `name`; none else.
+fn call(form: &mut Form, name: &str, shape: &Shape) {
+    let Form::Structure(members) = form else { return };
+    for (k, (own, _)) in members.iter_mut().enumerate().filter(|(_, (own, _))| own == name) {
+        *own = unnamed(k);
+    }
+    let fits = |(k, (own, of)): &(usize, &mut (String, Shape))| *own == unnamed(*k) && of == shape;
+    if let Some((_, (own, _))) = members.iter_mut().enumerate().find(fits) {
+        name.clone_into(own);
+    }
+}
+
 /// Members of a structure that is made of several values, by the first place that makes one.
 fn made_of(shader: &Shader, name: &str) -> Option<Vec<(String, Shape)>> {
     let made = shader.arena().iter().find_map(|(_, expr)| match &expr.kind {
         ExprKind::Call { callee: Callee::Name(own), args } if own.name == name && args.len() > 1 => Some(args),
         _ => None,
     })?;
-    let member = |(k, arg): (usize, &ExprId)| (format!("member{k}"), Shape::one(param(shader, *arg, 0).ty));
+    let member = |(k, arg): (usize, &ExprId)| (unnamed(k), Shape::one(param(shader, *arg, 0).ty));
     Some(made.iter().enumerate().map(member).collect())
 }
 

@@ -62,6 +62,8 @@ fn what_is_used_and_nowhere_declared_gets_the_plainest_type_that_fits() {
         ),
         // One that is made of values, and is not asked for its members.
         ("Hit f(float x) { return Hit(vec3(x), vec3(x), 2); }\n", &["Hit a structure"]),
+        // One that is made of values, of which some are asked for.
+        ("float f(vec3 x) { Hit h = Hit(x, 2.0, x); return h.distance + h.at.x; }\n", &["Hit a structure"]),
         // A macro of the file that is not there.
         (
             "@import ./head;\nSET_PRECISION;\nfloat f(float x) { return x * scale; }\n",

@@ -9,7 +9,7 @@ use syntax::ast::{ExprId, Item, ItemKind, TypeKind};
 use syntax::interface::{Storage, Variable};
 use syntax::symbols::{CallTarget, FunctionId, SymbolId, SymbolKind};
 use syntax::types::Type;
-use syntax::{Shader, walk};
+use syntax::{Shader, Stage, walk};
 
 /// A global variable that goes in or comes out.
 #[derive(Clone, Debug)]
@@ -225,6 +225,8 @@ fn plain_variables(shader: &Shader, used: &BTreeSet<SymbolId>, kept: &dyn Fn(usi
                 writes = false;
                 true
             }
+            // A `varying` of a text without a stage, which it only reads, comes from the stage before.
+            Storage::Out if shader.stage() == Stage::Library && !writes => true,
             Storage::Out => {
                 reads = false;
                 true
