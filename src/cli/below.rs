@@ -6,6 +6,7 @@ use anyhow::Context;
 use ignore::WalkBuilder;
 
 use base::text::Shown;
+use hosts::Language;
 use program::Written;
 use syntax::Stage;
 
@@ -42,6 +43,34 @@ pub fn stage_of(path: &Path) -> Option<Stage> {
 /// # Errors
 /// A folder without such a shader.
 pub fn shaders(paths: &[PathBuf], wanted: fn(&Path) -> bool) -> anyhow::Result<(Vec<PathBuf>, bool)> {
+    search(paths, &|file| stage_of(file).is_some() && wanted(file))
+}
+
+/// The same, and for each folder the files of host code that have shaders in their strings.
+///
+/// # Errors
+/// As of [`shaders`].
+pub fn shaders_and_hosts(paths: &[PathBuf]) -> anyhow::Result<(Vec<PathBuf>, bool)> {
+    search(paths, &|file| stage_of(file).is_some() || has_shaders(file))
+}
+
+/// True for a file of host code with a shader in it. Most have none of the words that no whole shader does without.
+fn has_shaders(path: &Path) -> bool {
+    const MARKS: [&str; 5] = ["void main", "@vertex", "@fragment", "@compute", "/* glsl */"];
+    let name = path.to_string_lossy();
+    let is_host = matches!(hosts::language_of(&name), Some(Language::Host | Language::Script));
+    let small = || path.metadata().is_ok_and(|data| data.len() <= LARGEST);
+    if !is_host || !small() {
+        return false;
+    }
+    let Ok(file) = super::translate::read(path) else { return false };
+    MARKS.iter().any(|mark| file.text().contains(mark)) && !super::document::runnable(&file, path).is_empty()
+}
+
+/// Bytes of a file of host code that is looked through: what tools write is longer.
+const LARGEST: u64 = 1 << 20;
+
+fn search(paths: &[PathBuf], wanted: &dyn Fn(&Path) -> bool) -> anyhow::Result<(Vec<PathBuf>, bool)> {
     let (mut all, mut searched) = (Vec::new(), false);
     for path in paths {
         if !path.is_dir() {
@@ -50,7 +79,7 @@ pub fn shaders(paths: &[PathBuf], wanted: fn(&Path) -> bool) -> anyhow::Result<(
         }
         searched = true;
         let before = all.len();
-        all.extend(files(path)?.into_iter().filter(|file| stage_of(file).is_some() && wanted(file)));
+        all.extend(files(path)?.into_iter().filter(|file| wanted(file)));
         anyhow::ensure!(all.len() > before, "{}", none_in(path));
     }
     Ok((all, searched))

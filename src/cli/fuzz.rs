@@ -160,7 +160,7 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     let compose = ComposeArgs { assign_bindings: true, ..args.compose.clone() };
     let reading = args.input.reading(Some(&compose), args.function.first().map(String::as_str));
     let mut hosts = Hosts::default();
-    let (files, searched) = below::shaders(&args.files, |_| true)?;
+    let (files, searched) = below::shaders_and_hosts(&args.files)?;
     let mut sources: Vec<IncludedText> = Vec::new();
     let mut complete = |text: IncludedText, defines: &[(String, String)]| {
         text.with_prelude(super::prelude(args.prelude.as_deref())).assuming(defines, &mut hosts)

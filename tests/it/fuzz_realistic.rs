@@ -60,6 +60,17 @@ fn called(function: &str, argument: &str) -> FunctionReport {
     on(&all[0], "", &*embedded::open().unwrap(), Promises::of_api(Api::Binary32))
 }
 
+/// How large a texture is, its host knows, unless the text asks for it.
+#[test]
+fn a_texel_at_a_fixed_place_is_no_fault() {
+    let of = |at: &str| {
+        let text = format!("uniform sampler2D data;\nout vec4 c;\nvoid main() {{ c = texelFetch(data, {at}, 0); }}\n");
+        main_of("a.frag", &text)
+    };
+    is_silent(&of("ivec2(100, 0)"));
+    is_error(&of("textureSize(data, 0)"));
+}
+
 /// What a stage passes to its own functions is what these are tried with.
 #[test]
 fn a_function_is_run_on_what_its_callers_pass() {

@@ -128,6 +128,34 @@ fn a_version_that_an_include_states_late_is_its_hosts_business() {
     assert!(run_in(folder.path(), "fuzz c.fsh --lane embedded --samples 64").expect(1).out.contains("V001"));
 }
 
+/// Packs for Minecraft take files in from a folder of their own, each with a version.
+#[test]
+fn what_a_pack_imports_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path().join("assets/minecraft/shaders");
+    fs::create_dir_all(at.join("include")).unwrap();
+    fs::create_dir_all(at.join("core")).unwrap();
+    fs::write(at.join("include/fog.glsl"), "#version 150\nfloat fog(float q) { return sqrt(-1.0 - q * q); }\n")
+        .unwrap();
+    let main = |name: &str| {
+        format!(
+            "#version 150\n#moj_import <{name}>\nin vec2 uv;\nout vec4 c;\nvoid main() {{ c = vec4(fog(uv.x)); }}\n"
+        )
+    };
+    fs::write(at.join("core/a.fsh"), main("fog.glsl")).unwrap();
+    fs::write(at.join("core/b.fsh"), main("minecraft:fog.glsl")).unwrap();
+    fs::write(at.join("core/c.fsh"), main("light.glsl")).unwrap();
+    for name in ["a", "b"] {
+        let ran = run_in(
+            folder.path(),
+            &format!("fuzz assets/minecraft/shaders/core/{name}.fsh --lane embedded --samples 64"),
+        );
+        assert!(ran.expect(1).out.contains("shaders/include/fog.glsl:2:"), "{name}");
+    }
+    let ran = run_in(folder.path(), "fuzz assets/minecraft/shaders/core/c.fsh --lane embedded --samples 64");
+    assert!(!ran.out.contains("E012") && !ran.out.contains("fog.glsl"), "{ran:?}");
+}
+
 /// Lines that a host reads, and a placeholder: what compiles without them is run.
 #[test]
 fn the_functions_of_a_text_run_that_its_host_has_no_hand_in() {

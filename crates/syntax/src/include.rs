@@ -94,16 +94,24 @@ fn joined(file: &SourceFile, find: &mut dyn FnMut(&Wanted) -> Option<SourceFile>
     let each_once = matches!(comments, CommentStyle::Wgsl) && !file.text().contains("#undef");
     let assembly = Assembly::new();
     let mut work = Work { find, comments, each_once, assembly, open, once, guarded, missing, cycles };
-    let any = work.add(file);
+    let any = work.add(file, false);
     let Work { assembly, missing, cycles, .. } = work;
     let file = if any { assembly.finish(file.name()) } else { file.clone() };
     Included { file, missing, cycles }
 }
 
+/// What packs for Minecraft write in the place of `include`.
+const MOJ_IMPORT: &str = "moj_import";
+
+/// True for a text in GLSL that may take files in.
+pub fn may_include(text: &str) -> bool {
+    directive_words(CommentStyle::C).iter().any(|word| text.contains(word))
+}
+
 /// Words behind `#` that take a file in.
 fn directive_words(comments: CommentStyle) -> &'static [&'static str] {
     match comments {
-        CommentStyle::C => &["include"],
+        CommentStyle::C => &["include", MOJ_IMPORT],
         CommentStyle::Wgsl => &["include", "import"],
     }
 }
@@ -125,8 +133,8 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// Adds a file; true when a directive was replaced.
-    fn add(&mut self, file: &SourceFile) -> bool {
+    /// Adds a file, `bare` of its version; true when a directive was replaced.
+    fn add(&mut self, file: &SourceFile, bare: bool) -> bool {
         let name: Arc<str> = file.name().into();
         if self.once.contains(&name) {
             return false;
@@ -138,9 +146,19 @@ impl Work<'_> {
         let mut at = 0;
         let mut any = false;
         for directive in directives(file, self.comments) {
-            let Directive::Include(wanted, conditional) = directive else {
-                self.once.push(name.clone());
-                continue;
+            let (wanted, conditional, bare) = match directive {
+                Directive::Include { wanted, conditional, bare } => (wanted, conditional, bare),
+                Directive::PragmaOnce => {
+                    self.once.push(name.clone());
+                    continue;
+                }
+                Directive::Version(span) => {
+                    if bare {
+                        self.assembly.copy(file, Span::new(at, span.start));
+                        at = span.end;
+                    }
+                    continue;
+                }
             };
             let Some(found) = (self.find)(&wanted) else {
                 self.missing.push(wanted);
@@ -160,7 +178,7 @@ impl Work<'_> {
                 let each_once = self.each_once;
                 self.each_once &= !conditional;
                 let once = (wanted.import || self.each_once).then(|| found.name().into());
-                self.add(&found);
+                self.add(&found, bare);
                 self.each_once = each_once;
                 self.once.extend(once);
             }
@@ -179,9 +197,14 @@ fn has_guard(file: &SourceFile) -> bool {
 }
 
 enum Directive {
-    /// What is asked for, and whether a condition stands around it.
-    Include(Wanted, bool),
+    /// What is asked for, whether a condition stands around it, and whether it is put in without its version.
+    Include {
+        wanted: Wanted,
+        conditional: bool,
+        bare: bool,
+    },
     PragmaOnce,
+    Version(Span),
 }
 
 /// The directives of a file that matter here.
@@ -209,9 +232,16 @@ fn directives(file: &SourceFile, style: CommentStyle) -> Vec<Directive> {
                 continue;
             }
             let span = Span::new(span.start + indent, span.end);
-            let (path, quoted) = (inside.to_owned(), quoted || import);
+            let (mut path, quoted) = (inside.to_owned(), quoted || import);
+            // `<fog.glsl>` and `<minecraft:fog.glsl>` lie in the folder `include` beside those of programs.
+            if *word == MOJ_IMPORT && !quoted {
+                path = format!("include/{}", path.rsplit_once(':').map_or(&path[..], |(_, path)| path));
+            }
             let wanted = Wanted { from: file.clone(), path, quoted, import, span };
-            found.push(Directive::Include(wanted, conditions > 0));
+            let (conditional, bare) = (conditions > 0, *word == MOJ_IMPORT);
+            found.push(Directive::Include { wanted, conditional, bare });
+        } else if rest.starts_with("version") {
+            found.push(Directive::Version(span));
         } else if rest.starts_with("if") {
             conditions += 1;
         } else if rest.starts_with("endif") {

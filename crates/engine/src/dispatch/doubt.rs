@@ -31,7 +31,7 @@ impl Dispatched {
     }
 
     /// True where numbers in uniforms have a say.
-    fn is_by_settings(&self, sources: Sources) -> bool {
+    pub(super) fn is_by_settings(&self, sources: Sources) -> bool {
         let memories = self.executable.memories().iter().enumerate();
         memories.into_iter().any(|(k, shape)| shape.space == Space::Uniform && sources.has(k))
     }

@@ -158,8 +158,14 @@ impl Dispatched {
             (false, _) if certain && later => Severity::Warning,
             (false, _) if certain => Severity::Finding,
             // A host may fill up its buffers as it fills up workgroups. Where most invocations without an element are
-            // kept away, it does not.
-            (true, false) if met.guarded && met.length.is_some_and(Length::is_by_elements) => Severity::Finding,
+            // kept away, it does not. What numbers of the host have a say in may be too large for their sakes.
+            (true, false)
+                if met.guarded
+                    && met.length.is_some_and(Length::is_by_elements)
+                    && !self.is_by_settings(self.depends.aims(incident.who.site)) =>
+            {
+                Severity::Finding
+            }
             (_, false) => Severity::Warning,
             (false, true) if !led => Severity::Warning,
             (_, true) => Severity::Note,

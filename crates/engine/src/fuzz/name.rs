@@ -82,6 +82,14 @@ impl Named {
         self.why.as_deref().is_some_and(|why| why.starts_with("`atan` of 0, 0"))
     }
 
+    /// True for a texel outside of a texture of which nothing asks for its size: the host's may be larger than that of the run.
+    pub fn is_outside_of_texture(&self, ready: &Ready) -> bool {
+        let asks = |text: &str| text.contains("textureSize") || text.contains("textureDimensions");
+        let outside =
+            self.kind == FuzzFindingKind::Index && self.site.is_some_and(|site| ready.executable.reads_texel(site));
+        outside && !asks(ready.program.file.text())
+    }
+
     /// What makes it one finding with others. A pair of outputs is one transformation, and an output crosses zero, however
     /// many operations show it.
     pub fn key(&self) -> Key {

@@ -491,6 +491,7 @@ fn add_findings(
             FuzzFindingKind::Undefined if !stated && group.named.is_angle_of_nothing() => {
                 FuzzFindingKind::NoValue.severity(group.standing, stated).max(Severity::Warning)
             }
+            _ if group.named.is_outside_of_texture(ready) => Severity::Note,
             kind => kind.severity(group.standing, stated),
         };
         let looking = (looked.sizes, looked.in_parts);

@@ -13,6 +13,13 @@ impl Executable {
         any
     }
 
+    /// True for a place that reads a texel.
+    pub fn reads_texel(&self, at: Site) -> bool {
+        let mut any = false;
+        each(&self.body, &mut |inst| any |= matches!(inst, Inst::Texel { site, .. } if *site == at));
+        any
+    }
+
     /// The places of stores whose index may lie outside of its array: what such a store does to an executor, and to
     /// other invocations, is anyone's guess.
     pub fn stray_stores(&self) -> HashSet<Site> {

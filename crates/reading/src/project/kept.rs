@@ -58,7 +58,7 @@ impl Input {
     fn keeps_itself(&self) -> Option<&Kept> {
         let joins: &[&str] = match language_of_file(&self.file) {
             Some(Language::Wgsl) => &["import", "#", "package::", "super::"],
-            Some(Language::Shader(_) | Language::Host | Language::Script) | None => &["include"],
+            Some(Language::Shader(_) | Language::Host | Language::Script) | None => &["include", "moj_import"],
         };
         let alone = || !joins.iter().any(|word| self.file.text().contains(word));
         self.kept.as_deref().filter(|_| self.composer.is_none() || alone())

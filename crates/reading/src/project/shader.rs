@@ -236,7 +236,7 @@ impl ShaderFile {
     /// A shader with the files that it includes; none where it includes nothing, and where the whole does not hold by itself:
     /// names that a host defines decide over it.
     fn with_includes(input: &Input, stage: Stage) -> Option<Self> {
-        if !input.file.text().contains("include") {
+        if !syntax::include::may_include(input.file.text()) {
             return None;
         }
         let Composed { file, refused } = input.composer.as_ref()?.join(&input.file)?;

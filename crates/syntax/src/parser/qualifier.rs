@@ -30,6 +30,11 @@ impl Parser<'_> {
                 "invariant" => QualifierKind::Invariant,
                 "precise" => QualifierKind::Precise,
                 "const" => QualifierKind::Storage(StorageQualifier::Const),
+                // Compilers take `in out` for it.
+                "in" if self.word() == "out" => {
+                    self.advance();
+                    QualifierKind::Storage(StorageQualifier::InOut)
+                }
                 "in" => QualifierKind::Storage(StorageQualifier::In),
                 "out" => QualifierKind::Storage(StorageQualifier::Out),
                 "inout" => QualifierKind::Storage(StorageQualifier::InOut),

@@ -138,7 +138,7 @@ fn directives_have_their_place() {
 #[test]
 fn qualifiers_and_layouts_have_their_place() {
     let v = |line: &str| format!("#version 150\n{line}\nvoid main() {{}}\n");
-    one(Stage::Vertex, &v("in out vec4 a;"), "E042 `out` cannot stand here");
+    one(Stage::Vertex, &v("in out vec4 a;"), "E042 `in out` cannot stand here");
     one(Stage::Vertex, &v("flat in vec4 a;"), "E042 `flat` cannot stand here");
     one(Stage::Vertex, &v("layout(nothing) out vec4 a;"), "E043 `layout(nothing)` cannot stand here");
     one(Stage::Vertex, &v("const float a;"), "E044 the constant `a` has no value");
