@@ -485,3 +485,18 @@ fn types_that_no_option_mends_are_told() {
     assert!(ran.out.contains("wrong.glsl:4:") && ran.out.contains("shadow.csh:4:"), "{ran:?}");
     assert!(ran.err.contains("2 errors") && !ran.out.contains("shell.csh"), "{ran:?}");
 }
+
+/// An entry point of WGSL has any name.
+#[test]
+fn a_module_with_an_entry_point_is_whole_whatever_that_is_called() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "@group(0) @binding(0) var<storage, read_write> a: array<i32>;\n\
+        @compute @workgroup_size(8)\nfn reduce(@builtin(global_invocation_id) id: vec3u) { a[id.x] = 2147483647i; }\n";
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("right.wgsl", text);
+    write("number.wgsl", &text.replace("2147483647i", "2147483648i"));
+    write("brace.wgsl", &text.replace(" }", ""));
+    let ran = run_in(folder.path(), "lint .").expect(1);
+    assert!(ran.out.contains("error[E003]") && ran.out.contains("error[E001]"), "{ran:?}");
+    assert!(ran.err.contains("2 errors") && !ran.out.contains("right.wgsl"), "{ran:?}");
+}

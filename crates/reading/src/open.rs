@@ -106,6 +106,10 @@ fn of(shader: &Shader, asked: &BTreeSet<String>, found: &[Diagnostic]) -> Around
 }
 
 fn has_main(shader: &Shader) -> bool {
+    // Entry points of WGSL have any name, and stand there where the grammar ends before them.
+    if shader.wgsl().is_some() {
+        return marks::ENTRY_POINTS.iter().any(|mark| shader.file().text().contains(mark));
+    }
     shader.tokens().iter().any(|t| t.kind == TokenKind::Word && shader.file().slice(t.span) == "main")
 }
 
