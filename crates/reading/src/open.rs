@@ -129,23 +129,15 @@ impl<'a> Surroundings<'a> {
     pub fn new(shader: &'a Shader, conditions: &'a Conditions, found: &[Diagnostic]) -> Self {
         let mut asked = conditions.undefined(true);
         asked.retain(|name| !shader.defines().iter().any(|(own, _)| own == name));
-        Self::leaving(of(shader, &asked, found), shader, conditions, (asked, found))
+        let lacks_file = found.iter().any(|d| d.code == errors::INCLUDE);
+        Self { shader, conditions, open: of(shader, &asked, found), asked, lacks_file }
     }
 
     /// Those of a text that is in order whatever its host defines: as it stands, and so far as it is read otherwise.
     pub fn of_whole(shader: &'a Shader, conditions: &'a Conditions, found: &[Diagnostic]) -> Self {
         let asked = BTreeSet::new();
-        Self::leaving(of(shader, &asked, found), shader, conditions, (asked, found))
-    }
-
-    fn leaving(
-        open: Around,
-        shader: &'a Shader,
-        conditions: &'a Conditions,
-        (asked, found): (BTreeSet<String>, &[Diagnostic]),
-    ) -> Self {
         let lacks_file = found.iter().any(|d| d.code == errors::INCLUDE);
-        Self { shader, conditions, asked, open, lacks_file }
+        Self { shader, conditions, open: of(shader, &asked, found), asked, lacks_file }
     }
 
     /// True for an error that rests on something open, or on anything of `more`; what stands in a macro aside.
