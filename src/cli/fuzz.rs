@@ -286,10 +286,10 @@ pub(super) fn subjects(
     };
     let errors = errors_of(parsed.diagnostics);
     // What another preprocessor reads before a compiler does: the linter believes none of it either.
-    let is_of_host = |error: &Diagnostic| {
-        // Hosts that join files put the version in front, wherever it stands.
-        let joined = error.code == errors::LATE_VERSION && error.file.origin(error.span).0.name() != source.file.name();
-        joined || (errors::is_of_the_text(error.code) && error.code != errors::INCLUDE)
+    let is_of_host = |error: &Diagnostic| errors::is_of_the_text(error.code) && error.code != errors::INCLUDE;
+    // Hosts that join files put the version in front, wherever it stands.
+    let is_joined = |error: &Diagnostic| {
+        error.code == errors::LATE_VERSION && error.file.origin(error.span).0.name() != source.file.name()
     };
     let doubtful = reading::open::doubtful(&parsed.shader, &errors, errors::Around::empty());
     // What the linter does not tell either, since something that nobody stated decides.
@@ -304,8 +304,9 @@ pub(super) fn subjects(
     let open = lacks_file.is_some() || source.open().is_some();
     let is_sure = |(error, doubtful): (&Diagnostic, &bool)| !doubtful && error.code != errors::INCLUDE;
     let sure = lacks_file.is_some() && errors.iter().zip(&doubtful).any(is_sure);
-    let late = errors.iter().any(|error| error.code == errors::LATE_VERSION && is_of_host(error));
-    let of_host = errors.iter().find(|error| is_of_host(error)).filter(|_| unsure || late).cloned();
+    let late = errors.iter().any(is_joined);
+    let of_host = errors.iter().find(|error| is_joined(error) || is_of_host(error));
+    let of_host = of_host.filter(|_| unsure || late).cloned();
     if !errors.is_empty() {
         // Where some functions do not compile, the others run.
         let mut subjects = Vec::new();

@@ -289,12 +289,11 @@ impl Library for Modules {
         let own = folder_of(&wanted.from);
         let within: Vec<&Path> =
             std::iter::once(own.as_path()).chain(self.folders.iter().map(PathBuf::as_path)).collect();
-        let mut paths = if wanted.import { Vec::new() } else { vec![wanted.path.clone()] };
         // `#import name` leaves the ending out, and so may `#include "name"`.
-        match Path::new(&wanted.path).extension() {
-            None => paths.extend(ENDINGS.iter().map(|ending| format!("{}.{ending}", wanted.path))),
-            Some(_) if wanted.import => paths.push(wanted.path.clone()),
-            Some(_) => {}
+        let bare = Path::new(&wanted.path).extension().is_none();
+        let mut paths = if bare && wanted.import { Vec::new() } else { vec![wanted.path.clone()] };
+        if bare {
+            paths.extend(ENDINGS.iter().map(|ending| format!("{}.{ending}", wanted.path)));
         }
         // Engines name files from the folder of all shaders, which is one around them.
         let mut around = if wanted.quoted { ancestors(&own) } else { Vec::new() };

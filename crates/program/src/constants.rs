@@ -101,7 +101,7 @@ impl Constants {
     pub fn specialized(&self) -> Vec<(String, u32)> {
         let Some(shader) = &self.shader else { return Vec::new() };
         let constants = shader.interface().constants.iter();
-        let constants = constants.filter(|c| c.qualifiers.layout_entry("constant_id").is_some());
+        let constants = constants.filter(|c| c.is_specialized());
         let value = |c: &syntax::interface::Variable| shader.fold(c.initializer?)?.as_integer();
         constants.filter_map(|c| Some((c.name.clone(), u32::try_from(value(c)?).ok()?))).collect()
     }

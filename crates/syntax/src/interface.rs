@@ -113,6 +113,13 @@ pub struct Variable {
     pub symbol: SymbolId,
 }
 
+impl Variable {
+    /// True for a specialization constant, `layout(constant_id = 3) const uint N = 32;`: a host may set another value.
+    pub fn is_specialized(&self) -> bool {
+        self.qualifiers.layout_entry("constant_id").is_some()
+    }
+}
+
 /// A uniform, storage, input or output block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Block {

@@ -50,7 +50,7 @@ impl Shader {
         let constants = self.interface.constants.iter();
         let mut sizes = constants.filter(|constant| {
             let name = constant.name.to_uppercase();
-            OF_SIZES.iter().any(|word| name.contains(word)) && constant.qualifiers.layout_entry("constant_id").is_some()
+            OF_SIZES.iter().any(|word| name.contains(word)) && constant.is_specialized()
         });
         let named = sizes.find_map(|constant| u32::try_from(constant.value?.as_integer()?).ok());
         Some(match (named.filter(|&n| n > 1), self.axes_of_invocations().len()) {

@@ -20,8 +20,7 @@ pub fn specialized(shader: &Shader) -> BTreeSet<SymbolId> {
                 .into_iter()
                 .any(|e| shader.symbol_of(e).is_some_and(|s| found.contains(&s)))
         };
-        let is_set = constant.qualifiers.layout_entry("constant_id").is_some();
-        if is_set || constant.initializer.is_some_and(follows) {
+        if constant.is_specialized() || constant.initializer.is_some_and(follows) {
             found.insert(constant.symbol);
         }
     }

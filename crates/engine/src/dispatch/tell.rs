@@ -30,11 +30,9 @@ impl Dispatched {
             Wrong::Unwritten => FuzzFindingKind::Unset,
             Wrong::NotANumber => FuzzFindingKind::NoValue,
         };
-        let mut severity = self.severity(met, shape, sources);
         // How numbers of the host lie to each other is a guess.
-        if is_spread(met.scenario.variant) && severity == Severity::Finding {
-            severity = Severity::Warning;
-        }
+        let worst = if is_spread(met.scenario.variant) { Severity::Warning } else { Severity::Finding };
+        let severity = self.severity(met, shape, sources).max(worst);
         let mut message = self.message(met, shape);
         if (incident.what, severity) == (Wrong::Race, Severity::Warning) {
             message += &self.told_condition(incident);

@@ -137,18 +137,14 @@ pub struct Printed {
 /// As [`printed_shaders`], and the modules in WGSL that a host puts together of templates, for commands that run them. What
 /// the file imports is read by `imports`.
 pub fn runnable_shaders(file: &SourceFile, imports: &mut Imports<'_>) -> Vec<Printed> {
-    let mut all = printed_shaders(file);
+    let Some(host) = host_of(file) else { return printed_shaders(file) };
+    let mut all = in_strings(file, &host);
     let piece = |e: &Embedded| Some(Printed { part: true, ..printed(file, &e.name, e.stage, &e.literal)? });
-    match language_of(file.name()) {
-        Some(Language::Script) => {}
-        Some(Language::Host) => {
-            all.extend(cpp::embedded::pieces(&HostFile::new(file, true)).iter().filter_map(piece));
-            all.sort_by_key(|shader| *shader.lines.start());
-            return all;
-        }
-        _ => return all,
+    if !host.is_script() {
+        all.extend(cpp::embedded::pieces(&host).iter().filter_map(piece));
+        all.sort_by_key(|shader| *shader.lines.start());
+        return all;
     }
-    let host = HostFile::script(file, true);
     let (pieces, whole): (Vec<&Embedded>, Vec<&Embedded>) = host.embedded().iter().partition(|e| e.partial);
     let known: Vec<Span> = whole.iter().map(|e| e.place).collect();
     all.extend(pieces.into_iter().filter_map(piece));
@@ -193,10 +189,8 @@ pub fn printed_shaders(file: &SourceFile) -> Vec<Printed> {
             sections(file).into_iter().map(|(stage, literal)| (named(stage), stage, literal)).collect()
         }
         Some(Language::Wgsl) => Vec::new(),
-        Some(language) => {
-            let host =
-                if language == Language::Script { HostFile::script(file, true) } else { HostFile::new(file, true) };
-            whole_strings(&host)
+        Some(Language::Host | Language::Script) => {
+            return host_of(file).map(|host| in_strings(file, &host)).unwrap_or_default();
         }
         None => {
             let document = Document::read(file).unwrap_or_default();
@@ -207,6 +201,21 @@ pub fn printed_shaders(file: &SourceFile) -> Vec<Printed> {
             shaders.map(|s| (s.name, s.stage, s.literal)).chain(strings).collect()
         }
     };
+    all.iter().filter_map(|(name, stage, literal)| printed(file, name, *stage, literal)).collect()
+}
+
+/// The file as host code, if that is what its name says.
+fn host_of(file: &SourceFile) -> Option<HostFile> {
+    match language_of(file.name())? {
+        Language::Script => Some(HostFile::script(file, true)),
+        Language::Host => Some(HostFile::new(file, true)),
+        Language::Shader(_) | Language::Wgsl => None,
+    }
+}
+
+/// The whole shaders in strings of host code, to be run.
+fn in_strings(file: &SourceFile, host: &HostFile) -> Vec<Printed> {
+    let all = whole_strings(host);
     all.iter().filter_map(|(name, stage, literal)| printed(file, name, *stage, literal)).collect()
 }
 

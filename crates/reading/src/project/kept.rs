@@ -56,12 +56,12 @@ impl Input {
 
     /// What a composer joins to a text may change while the text does not.
     fn keeps_itself(&self) -> Option<&Kept> {
-        let joins: &[&str] = match language_of_file(&self.file) {
-            Some(Language::Wgsl) => &["import", "#", "package::", "super::"],
-            Some(Language::Shader(_) | Language::Host | Language::Script) | None => &["include", "moj_import"],
+        let text = self.file.text();
+        let joins = || match language_of_file(&self.file) {
+            Some(Language::Wgsl) => ["import", "#", "package::", "super::"].iter().any(|word| text.contains(word)),
+            Some(Language::Shader(_) | Language::Host | Language::Script) | None => syntax::include::may_include(text),
         };
-        let alone = || !joins.iter().any(|word| self.file.text().contains(word));
-        self.kept.as_deref().filter(|_| self.composer.is_none() || alone())
+        self.kept.as_deref().filter(|_| self.composer.is_none() || !joins())
     }
 
     /// The text as a shader.

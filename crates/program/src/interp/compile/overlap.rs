@@ -6,6 +6,7 @@ use naga::{Expression, Function, Handle, Module, Statement};
 
 use super::super::code::{Inst, Reg, Register};
 use super::{Compiler, Evaluated, Frame, Pointer, types};
+use crate::fuel::blocks;
 
 /// Scalars of a variable that a call writes.
 struct OutTarget {
@@ -142,37 +143,20 @@ fn writes(module: &Module, function: &Function, argument: usize) -> bool {
         }
     };
     let is_own = |pointer: Handle<Expression>| root(pointer) == Some(argument);
-    let mut blocks = vec![&function.body];
-    while let Some(block) = blocks.pop() {
-        for statement in block {
-            let written = match statement {
-                Statement::Store { pointer, .. } | Statement::Atomic { pointer, .. } => is_own(*pointer),
-                Statement::Call { function, arguments, .. } => {
-                    let callee = &module.functions[*function];
-                    arguments.iter().enumerate().any(|(k, passed)| is_own(*passed) && writes(module, callee, k))
-                }
-                Statement::Block(inner) => {
-                    blocks.push(inner);
-                    false
-                }
-                Statement::If { accept, reject, .. } => {
-                    blocks.extend([accept, reject]);
-                    false
-                }
-                Statement::Switch { cases, .. } => {
-                    blocks.extend(cases.iter().map(|case| &case.body));
-                    false
-                }
-                Statement::Loop { body, continuing, .. } => {
-                    blocks.extend([body, continuing]);
-                    false
-                }
-                _ => false,
-            };
-            if written {
-                return true;
-            }
+    let is_write = |statement: &Statement| match statement {
+        Statement::Store { pointer, .. } | Statement::Atomic { pointer, .. } => is_own(*pointer),
+        Statement::Call { function, arguments, .. } => {
+            let callee = &module.functions[*function];
+            arguments.iter().enumerate().any(|(k, passed)| is_own(*passed) && writes(module, callee, k))
         }
+        _ => false,
+    };
+    let mut open = vec![&function.body];
+    while let Some(block) = open.pop() {
+        if block.iter().any(is_write) {
+            return true;
+        }
+        open.extend(block.iter().flat_map(blocks));
     }
     false
 }
