@@ -249,8 +249,15 @@ pub(super) fn subjects(
                 }
                 let mut subjects = Vec::new();
                 let rewritten = reading::open::is_rewritten(source.file.text());
-                if let Some(first) = errors.first().filter(|_| rewritten) {
-                    subjects.push(without_at(source, "its engine rewrites declarations", first));
+                let all_are = |code| errors.iter().all(|error| error.code == code);
+                let decided = match () {
+                    () if rewritten => Some("its engine rewrites declarations"),
+                    () if all_are(errors::TEMPLATE) => Some("its host fills in placeholders, unless `--define` does"),
+                    () if all_are(program::UNSUPPORTED) => Some("its reader here does not take it"),
+                    () => None,
+                };
+                if let Some((why, first)) = decided.zip(errors.first()) {
+                    subjects.push(without_at(source, why, first));
                     errors.clear();
                 } else if let Some(open) = source.open() {
                     let (slips, others): (Vec<_>, Vec<_>) = errors.into_iter().partition(|error| source.is_slip(error));

@@ -11,7 +11,7 @@ use base::diagnostic::{Diagnostic, Severity};
 use base::text::{Shown as _, SourceFile};
 use compose::LeftOut;
 use engine::completion::{self, Completed, macro_name};
-use engine::fuzz::FunctionReport;
+use engine::fuzz::{FunctionReport, FuzzFindingKind};
 use engine::suite::{Includes, Joined, read_module};
 use hosts::Language;
 use program::{ModuleText, ProgramError, Written};
@@ -181,6 +181,11 @@ impl IncludedText {
     /// When it cannot be read.
     pub fn author(&self) -> anyhow::Result<SourceFile> {
         crate::cli::translate::read(&super::document::file_of(&self.path))
+    }
+
+    /// Names that conditions of a module ask for, in all files that it is put together from.
+    pub fn features(&self) -> Vec<String> {
+        self.joined.as_ref().map_or_else(|| compose::features(&self.file), Joined::features)
     }
 
     /// The shader; one that names no version under one that has what it uses.
@@ -356,7 +361,7 @@ impl IncludedText {
             function.as_warnings();
         }
         if is_assumed {
-            function.indices_as_notes();
+            function.as_notes(FuzzFindingKind::Index);
         }
         function
     }

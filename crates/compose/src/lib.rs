@@ -95,6 +95,8 @@ pub struct Composed {
     pub notes: Vec<Diagnostic>,
     /// Names of [`Options::defines`] that one of the files mentions.
     pub stated: Vec<String>,
+    /// Names that conditions of its files ask for.
+    pub features: Vec<String>,
     /// The text without what lacks a declaration, where it lacks some and functions are left.
     pub rest: Option<Rest>,
 }

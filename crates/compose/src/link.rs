@@ -8,6 +8,7 @@ use base::text::{SourceFile, Span};
 use syntax::errors;
 
 use crate::declaration::{Role, Use};
+use crate::features;
 use crate::import::{ModulePath, Origin};
 use crate::module::Module;
 use crate::naming;
@@ -80,12 +81,16 @@ pub(crate) fn link(
     let rest = if lacking.is_empty() { None } else { linked.without(lacking) };
     let rest =
         rest.map(|left_out| Rest { file: naming::write(root, &linked, &paths, options, Vec::new()).file, left_out });
-    let mentioned = |name: &str| {
-        let files = linked.modules.iter().flat_map(|module| module.included.iter().chain([&module.author]));
-        files.into_iter().any(|file| mentions(file, name))
-    };
+    let files = || linked.modules.iter().flat_map(|module| module.included.iter().chain([&module.author]));
+    let mentioned = |name: &str| files().any(|file| mentions(file, name));
+    let mut asked: Vec<String> = Vec::new();
+    for name in files().flat_map(features) {
+        if !asked.contains(&name) {
+            asked.push(name);
+        }
+    }
     let stated = options.defines.iter().map(|(name, _)| name).filter(|name| mentioned(name)).cloned().collect();
-    Composed { guessed, notes, stated, rest, ..composed }
+    Composed { guessed, notes, stated, features: asked, rest, ..composed }
 }
 
 impl Linked {

@@ -26,6 +26,7 @@ pub(crate) fn write(
             undeclared: Vec::new(),
             notes,
             stated: Vec::new(),
+            features: Vec::new(),
             rest: None,
             assigned: false,
         };
@@ -55,7 +56,17 @@ pub(crate) fn write(
     });
     let undeclared = placed.collect();
     let assigned = !unbound.is_empty();
-    Composed { file, renamed, guessed, undeclared, notes, stated: Vec::new(), rest: None, assigned }
+    Composed {
+        file,
+        renamed,
+        guessed,
+        undeclared,
+        notes,
+        stated: Vec::new(),
+        features: Vec::new(),
+        rest: None,
+        assigned,
+    }
 }
 
 fn name_of(linked: &Linked, (module, at): Item) -> Option<&str> {

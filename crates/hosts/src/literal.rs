@@ -63,6 +63,35 @@ impl Literal {
         }
     }
 
+    /// Reads literals that a host joins with texts of its own, as in `VERSION "…"` and `header + "…"`, and gives whether there
+    /// are such texts. They stand between lines; none where one is a part of a line, as a number is.
+    pub fn joined(nodes: &[Node<'_>], file: &SourceFile) -> Option<(Self, bool)> {
+        let (mut literal, mut others) = (Self::default(), false);
+        let mut parts = Vec::new();
+        for &node in nodes {
+            match node.kind() {
+                "concatenated_string" => parts.extend(elements(node)),
+                _ => parts.push(node),
+            }
+        }
+        for (k, &part) in parts.iter().enumerate() {
+            if is_literal(part) {
+                literal.add(part, file)?;
+                continue;
+            }
+            others = true;
+            let begins = k == 0 || !is_literal(parts[k - 1]) || literal.text.ends_with('\n');
+            let mut behind = Self::default();
+            if let Some(&next) = parts.get(k + 1).filter(|next| is_literal(**next)) {
+                behind.add(next, file)?;
+            }
+            if !begins && !behind.text.is_empty() && !behind.text.starts_with('\n') {
+                return None;
+            }
+        }
+        Some((literal, others))
+    }
+
     fn quoted(&mut self, file: &SourceFile, place: Span) -> Option<()> {
         let text = file.slice(place);
         let prefix = if text.starts_with("u8\"") { 3 } else { 1 };
@@ -295,6 +324,11 @@ impl Literal {
         let host = Span::new(offset(piece, edit.span.start), offset(piece, edit.span.end));
         allowed.then(|| Edit::replace(host, written))
     }
+}
+
+/// True for a literal, and false for what stands for a text.
+fn is_literal(node: Node<'_>) -> bool {
+    matches!(node.kind(), "string_literal" | "raw_string_literal")
 }
 
 fn offset(piece: &Piece, at: usize) -> usize {

@@ -14,7 +14,7 @@ use naga::{
 use super::memory::{inside, without_atomics};
 use super::{Entry, Port, PortAt, Program, ProgramError, Written};
 use crate::contain::contain;
-use crate::read::parts_of;
+use crate::read::{Elements, parts_of};
 use base::value::Field;
 
 /// Bytes of a buffer at most.
@@ -162,7 +162,7 @@ impl Program {
             let ty = sized(&mut module, self.module.global_variables[memory.global].ty, len);
             module.global_variables[memory.global].ty = ty;
             let (mut found, mut unfed) = (Vec::new(), Vec::new());
-            parts_of(&module, ty, (&name, &[]), MOST_ELEMENTS, (&mut found, &mut unfed));
+            parts_of(&module, ty, (&name, &[]), Elements::AtMost(MOST_ELEMENTS), (&mut found, &mut unfed));
             if let Some(what) = unfed.first() {
                 return refuse(format!("{what} in a buffer"));
             }

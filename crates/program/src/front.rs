@@ -139,8 +139,17 @@ fn declared(text: &str, name: &str) -> Option<naga::Span> {
     Some(naga::Span::new(u32::try_from(at).ok()?, u32::try_from(at + name.len()).ok()?))
 }
 
-/// True for the type of a built-in value that WGSL does not have: it differs between versions of the readers.
+/// True for what is WGSL and not read by naga, or the type of a built-in value that WGSL does not have: both differ between
+/// versions of the readers.
 fn is_of_an_extension(error: &ValidationError) -> bool {
+    // Pointers to buffers and storage textures as parameters, which the language has (`unrestricted_pointer_parameters`).
+    if let ValidationError::Function { source, .. } = error {
+        return matches!(
+            source,
+            FunctionError::InvalidArgumentPointerSpace { .. }
+                | FunctionError::InvalidImageStore(ExpressionError::ExpectedGlobalVariable)
+        );
+    }
     let ValidationError::EntryPoint {
         source: EntryPointError::Argument(_, varying) | EntryPointError::Result(varying),
         ..

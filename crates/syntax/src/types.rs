@@ -24,6 +24,8 @@ pub enum TextureDim {
     Rect,
     /// `Buffer`
     Buffer,
+    /// What an earlier part of a render pass wrote to the pixel: `subpassInput` (GL_KHR_vulkan_glsl).
+    Subpass,
 }
 
 /// Kind of an opaque type.
@@ -61,7 +63,7 @@ impl OpaqueType {
     pub fn coordinates(self) -> u8 {
         match self.dim {
             TextureDim::D1 | TextureDim::Buffer => 1,
-            TextureDim::D2 | TextureDim::Rect => 2,
+            TextureDim::D2 | TextureDim::Rect | TextureDim::Subpass => 2,
             TextureDim::D3 | TextureDim::Cube => 3,
         }
     }
@@ -119,6 +121,8 @@ impl OpaqueType {
             TextureDim::Cube => !multisampled,
             TextureDim::Rect => !multisampled && !arrayed,
             TextureDim::D3 | TextureDim::Buffer => !multisampled && !arrayed && !shadow,
+            // No sampler has it: see `of_vulkan`.
+            TextureDim::Subpass => false,
         };
         (valid && !(shadow && (!sampler || scalar != ScalarType::Float))).then_some(Self {
             kind,
@@ -133,8 +137,20 @@ impl OpaqueType {
 }
 
 impl OpaqueType {
-    /// A texture without a sampler, such as `utexture3D` (GL_KHR_vulkan_glsl).
-    pub fn of_texture(name: &str) -> Option<Self> {
+    /// A texture without a sampler, such as `utexture3D`, or a `subpassInput` (GL_KHR_vulkan_glsl).
+    pub fn of_vulkan(name: &str) -> Option<Self> {
+        let (base, multisampled) = name.strip_suffix("MS").map_or((name, false), |base| (base, true));
+        let scalar = match base {
+            "subpassInput" => Some(ScalarType::Float),
+            "isubpassInput" => Some(ScalarType::Int),
+            "usubpassInput" => Some(ScalarType::Uint),
+            _ => None,
+        };
+        if let Some(scalar) = scalar {
+            let dim = TextureDim::Subpass;
+            let kind = OpaqueKind::Sampler;
+            return Some(Self { kind, scalar, dim, arrayed: false, shadow: false, multisampled, separate: true });
+        }
         let at = name.find("texture").filter(|at| *at <= 1)?;
         let name = format!("{}sampler{}", &name[..at], &name[at + "texture".len()..]);
         Self::from_name(&name).filter(|ty| !ty.shadow).map(|ty| Self { separate: true, ..ty })
@@ -151,6 +167,7 @@ impl fmt::Display for OpaqueType {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let base = match self.kind {
             OpaqueKind::AtomicCounter => return f.write_str("atomic_uint"),
+            OpaqueKind::Sampler if self.dim == TextureDim::Subpass => "subpassInput",
             OpaqueKind::Sampler if self.separate => "texture",
             OpaqueKind::Sampler => "sampler",
             OpaqueKind::Image => "image",
@@ -162,6 +179,7 @@ impl fmt::Display for OpaqueType {
             TextureDim::Cube => "Cube",
             TextureDim::Rect => "2DRect",
             TextureDim::Buffer => "Buffer",
+            TextureDim::Subpass => "",
         };
         let ms = if self.multisampled { "MS" } else { "" };
         let array = if self.arrayed { "Array" } else { "" };

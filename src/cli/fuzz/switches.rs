@@ -6,15 +6,16 @@ use std::path::Path;
 use super::super::compose::Given;
 use super::super::includes::{self, IncludedText};
 use super::errors_of;
-use program::Written;
+use program::{ProgramError, Written};
 use reading::conditions::{self, Defines};
-use syntax::{Shader, Stage, errors};
+use syntax::{Shader, Stage};
 
 /// Puts what a text lacks into it, with these macros.
 type Complete<'c> = dyn FnMut(IncludedText, &[(String, String)]) -> IncludedText + 'c;
 
 /// The texts of a file, and those with names that its conditions ask for, as far as they compile and have functions that
-/// `texts` have not. What compiles with such a name alone, since it is a text of the host without it, is read with it.
+/// `texts` have not. A text that compiles with such names alone, since its host always defines one of them, is read with
+/// them.
 pub(super) fn with_more(
     (path, stage): (&Path, Option<Stage>),
     given: &Given<'_>,
@@ -29,24 +30,24 @@ pub(super) fn with_more(
     }
     let mut found = Vec::new();
     let mut known: Vec<Vec<String>> = Vec::new();
-    let mut of_host: Vec<bool> = Vec::new();
-    for switches in sets {
+    let mut broken: Vec<bool> = Vec::new();
+    for switches in &sets {
         let all = [given.defines, &switches[..]].concat();
         let Ok(read) = includes::read_all(path, &Given { defines: &all, ..*given }, stage) else { continue };
         if known.is_empty() {
             known = texts.iter().map(|text| functions(text, given.defines)).collect();
-            of_host = texts.iter().map(|text| is_of_host(text, given.defines)).collect();
+            broken = texts.iter().map(|text| !compiles(text, given.defines)).collect();
         }
         for (k, text) in read.into_iter().enumerate().take(texts.len()) {
-            if of_host[k] {
-                let text = complete(text, &all).switched(&switches, &[]);
-                if compiles(&text, given.defines) {
-                    known[k] = functions(&text, given.defines);
-                    (texts[k], of_host[k]) = (text, false);
+            if broken[k] {
+                let text = complete(text, &all).switched(switches, &[]);
+                let now = functions(&text, given.defines);
+                if known[k].iter().all(|name| now.contains(name)) && compiles(&text, given.defines) {
+                    (texts[k], broken[k], known[k]) = (text, false, now);
                 }
                 continue;
             }
-            let text = complete(text, &all).switched(&switches, &known[k]);
+            let text = complete(text, &all).switched(switches, &known[k]);
             let now = functions(&text, given.defines).into_iter();
             let fresh: Vec<String> = now.filter(|name| !text.is_assumed(name)).collect();
             // A branch for another language needs declarations that the rest does without.
@@ -56,15 +57,64 @@ pub(super) fn with_more(
             }
         }
     }
+    for (k, text) in texts.iter_mut().enumerate().filter(|(k, _)| broken.get(*k) == Some(&true)) {
+        let names: Vec<_> = sets.iter().filter(|set| set.len() == 1).flatten().cloned().collect();
+        let mut with = |switches: &[(String, String)]| {
+            let all = [given.defines, switches].concat();
+            let read = includes::read_all(path, &Given { defines: &all, ..*given }, stage).ok()?;
+            Some(complete(read.into_iter().nth(k)?, &all).switched(switches, &[]))
+        };
+        let mut search = Search { names: &names, defines: given.defines, with: &mut with, left: MOST_READ };
+        if let Some(whole) = search.whole(&[], first_error(text, given.defines).as_deref()) {
+            *text = whole;
+        }
+    }
     texts.into_iter().chain(found).collect()
 }
 
-/// True for a text that is not one of GLSL as its conditions stand: words that the language keeps for itself, such as
-/// `typedef`, begin what its grammar does not have.
-fn is_of_host(text: &IncludedText, defines: &[(String, String)]) -> bool {
-    let found = if Written::of(&text.file) == Written::Glsl { text.parsed(defines).diagnostics } else { Vec::new() };
-    let has = |code| found.iter().any(|error| error.code == code);
-    has(errors::RESERVED) && has(errors::SYNTAX)
+/// How often a text is read while names are looked for that belong together, and how many of these there are at most.
+const MOST_READ: usize = 64;
+const MOST_TOGETHER: usize = 3;
+
+/// Looks for names that together make a text compile: what takes away its first error is a step on the way.
+struct Search<'s> {
+    names: &'s [(String, String)],
+    defines: &'s [(String, String)],
+    /// The text with such names.
+    with: &'s mut dyn FnMut(&[(String, String)]) -> Option<IncludedText>,
+    /// Texts that may still be read.
+    left: usize,
+}
+
+impl Search<'_> {
+    fn whole(&mut self, so_far: &[(String, String)], error: Option<&str>) -> Option<IncludedText> {
+        let mut steps = Vec::new();
+        for name in self.names.iter().filter(|name| !so_far.contains(name)) {
+            self.left = self.left.checked_sub(1)?;
+            let switches = [so_far, std::slice::from_ref(name)].concat();
+            let Some(text) = (self.with)(&switches) else { continue };
+            match first_error(&text, self.defines) {
+                None => return Some(text),
+                Some(other) if Some(&other[..]) != error => steps.push((switches, other)),
+                Some(_) => {}
+            }
+        }
+        let deeper = so_far.len() + 1 < MOST_TOGETHER;
+        steps.into_iter().filter(|_| deeper).find_map(|(switches, error)| self.whole(&switches, Some(&error)))
+    }
+}
+
+/// The first thing that is wrong with a text.
+fn first_error(text: &IncludedText, defines: &[(String, String)]) -> Option<String> {
+    let found = match Written::of(&text.file) {
+        Written::Glsl => errors_of(text.parsed(defines).diagnostics),
+        _ => match text.module() {
+            Ok(_) => Vec::new(),
+            Err(ProgramError::Source(found)) => found,
+            Err(other) => return Some(other.to_string()),
+        },
+    };
+    found.first().map(|first| first.message.to_string())
 }
 
 /// What a host may define beside what it is known to define: all names, and then each by itself.
@@ -76,7 +126,7 @@ fn switches(text: &IncludedText, defines: &[(String, String)]) -> Vec<Defines> {
         return sets;
     }
     // What a module is put together from holds no directives any more.
-    let names = text.author().map(|file| compose::features(&file)).unwrap_or_default();
+    let names = text.features();
     conditions::all_and_each(&names.into_iter().filter(is_open).collect())
 }
 
@@ -92,8 +142,5 @@ fn functions(text: &IncludedText, defines: &[(String, String)]) -> Vec<String> {
 }
 
 fn compiles(text: &IncludedText, defines: &[(String, String)]) -> bool {
-    match Written::of(&text.file) {
-        Written::Glsl => errors_of(text.parsed(defines).diagnostics).is_empty(),
-        _ => text.module().is_ok(),
-    }
+    first_error(text, defines).is_none()
 }

@@ -106,6 +106,11 @@ impl Stand {
         }
     }
 
+    /// True where it stands for a function.
+    pub(super) fn is_function(&self) -> bool {
+        matches!(self.form, Form::Function(..))
+    }
+
     /// True for a function that comes with it.
     pub(super) fn brings(&self, function: &str) -> bool {
         match &self.form {

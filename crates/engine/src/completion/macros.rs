@@ -342,9 +342,11 @@ pub fn assumption_note(assumed: &[(String, String)]) -> String {
     let (bytes, others): (Vec<_>, Vec<_>) = assumed.iter().partition(|(name, _)| name == WIDE_BYTES);
     let (sizes, others): (Vec<_>, Vec<_>) = others.into_iter().partition(|(name, _)| name == WORKGROUP_SIZE);
     let (types, names): (Vec<_>, Vec<_>) = others.into_iter().partition(|(name, _)| of_32_bits(name).is_some());
-    let words = |of: Vec<&(String, String)>| {
-        of.into_iter().map(|(name, value)| format!("--define {name}={value}")).collect::<Vec<_>>().join(" ")
+    let word = |(name, value): &(String, String)| match name.contains('(') {
+        true => format!("--define '{name}={value}'"),
+        false => format!("--define {name}={value}"),
     };
+    let words = |of: Vec<&(String, String)>| of.into_iter().map(word).collect::<Vec<_>>().join(" ");
     let mut told = Vec::new();
     if !names.is_empty() {
         let what = if names.len() == 1 { "a name that nothing defines" } else { "names that nothing defines" };

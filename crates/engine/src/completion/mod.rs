@@ -10,6 +10,7 @@
 //! What a variable holds and a function gives is any value of its type: an input. A type is right when the text has no error
 //! with it, and of several, the plainest is taken. Where errors are left whatever is tried, nothing is completed.
 
+mod access;
 mod declared;
 mod macros;
 mod search;
@@ -23,7 +24,7 @@ use program::{WIDE_BYTES, WORKGROUP_SIZE};
 use syntax::Parsed;
 use syntax::interface::Storage;
 
-use crate::fuzz::{FunctionReport, Law};
+use crate::fuzz::{FunctionReport, FuzzFindingKind, Law};
 pub use declared::{Stand, declared_notes};
 pub use macros::{Assumed, Offer, Offers, assumption_note, macro_name, taken_notes};
 use search::Search;
@@ -82,9 +83,14 @@ impl Completed {
     pub fn soften(&self, function: &mut FunctionReport) {
         let is_assumed = |(input, _): &(String, Vec<Law>)| self.makes_up(input.rsplit(' ').next().unwrap_or(input));
         // What a dispatch gets is told of no input: any name that stands there may have a say.
-        let of_dispatch = function.dispatches > 0 && !self.declared.is_empty();
+        let means = self.assumed.iter().any(|(name, _)| name.contains('('));
+        let of_dispatch = function.dispatches > 0 && (means || !self.declared.is_empty());
         if of_dispatch || function.inputs.iter().any(is_assumed) {
             function.as_warnings();
+            // A function of the host gives the same at each call here, and leaves no loop that waits for another answer.
+            if self.declared.iter().any(Stand::is_function) {
+                function.as_notes(FuzzFindingKind::Endless);
+            }
         }
     }
 

@@ -10,6 +10,7 @@ use syntax::types::Type;
 use syntax::words::words;
 use syntax::{Lacks, Parsed, Profile, Shader, Token, TokenKind, TokenPlace};
 
+use super::access::access;
 use super::declared::{self, Form, Gives, MADE, Param, Shape, Stand};
 use super::{Assumed, Completed, Offers, Parse, Sibling, Siblings, macros, with_macros};
 
@@ -322,6 +323,11 @@ impl<'p> Search<'p> {
                 self.choose(parsed, name, forms);
             }
             Lacks::Function => {
+                let known = |heading: &str| self.done.assumed.iter().any(|(known, _)| known == heading);
+                if let Some(access) = access(shader, name).filter(|(heading, _)| !known(heading)) {
+                    self.done.assumed.push(access);
+                    return;
+                }
                 let overloads = overloads(shader, name);
                 let structures = structures(shader).into_iter().map(Gives::Always);
                 let plain = NUMBERS.iter().map(|ty| Gives::Always((*ty).to_owned()));

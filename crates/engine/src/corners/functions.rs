@@ -71,7 +71,7 @@ rows! {
     SubgroupExclusiveOr SubgroupExclusiveXor SubgroupClusteredAdd SubgroupClusteredMul SubgroupClusteredMin
     SubgroupClusteredMax SubgroupClusteredAnd SubgroupClusteredOr SubgroupClusteredXor:;
     // Textures and images: `texture` has their edges.
-    TextureSize TextureQueryLevels TextureQueryLod TextureSamples TexelFetch TexelFetchOffset Texture TextureOffset
+    TextureSize TextureQueryLevels TextureQueryLod TextureSamples SubpassLoad TexelFetch TexelFetchOffset Texture TextureOffset
     TextureLod TextureLodOffset TextureGrad TextureGradOffset TextureProj TextureProjOffset TextureProjLod
     TextureProjLodOffset TextureProjGrad TextureProjGradOffset TextureGather TextureGatherOffset TextureGatherOffsets
     Texture1D Texture1DProj Texture2D Texture2DProj Texture3D Texture3DProj TextureCube Texture1DLod Texture1DProjLod

@@ -311,11 +311,10 @@ impl FunctionReport {
         }
     }
 
-    /// Takes indices outside of arrays for notes, where nobody knows the values that lengths of arrays follow from: a length
-    /// that was taken may be too short for a text that is right.
-    pub fn indices_as_notes(&mut self) {
-        let indices = self.findings.iter_mut().filter(|own| own.kind == FuzzFindingKind::Index);
-        indices.for_each(|own| own.severity = Severity::Note);
+    /// Takes findings of a kind for notes, where what was taken for something makes them of a text that is right.
+    pub fn as_notes(&mut self, kind: FuzzFindingKind) {
+        let all = self.findings.iter_mut().filter(|own| own.kind == kind);
+        all.for_each(|own| own.severity = Severity::Note);
         self.findings.sort_by_key(|finding| (finding.severity, finding.kind));
     }
 

@@ -68,7 +68,7 @@ impl Joined {
             Err(error @ ComposeError::Unreadable(..)) => return Err(error),
         };
         let stated = composed.as_ref().map(|composed| composed.stated.clone()).unwrap_or_default();
-        let missing = |d: &Diagnostic| [errors::IMPORT, errors::VALUELESS].contains(&d.code);
+        let missing = |d: &Diagnostic| [errors::IMPORT, errors::VALUELESS, errors::TEMPLATE].contains(&d.code);
         let lacks = composed.as_ref().is_err_and(|found| found.iter().all(missing)).then(|| Request {
             file: file.clone(),
             folders: folders.to_vec(),
@@ -81,9 +81,7 @@ impl Joined {
     /// none, or is wrong with them as well.
     pub fn complete(&mut self) -> Vec<Stand> {
         let JoinedText::Composed(made) = &self.made else { return Vec::new() };
-        let open = self.lacks.as_ref().and_then(|Request { file, folders, options }| {
-            Modules::new(folders.clone()).with_files_below().compose(file, options).ok()
-        });
+        let open = self.open();
         let Some(text) = open.as_ref().or(made.as_ref().ok()) else { return Vec::new() };
         let nothing = || open.is_some() && text.undeclared.is_empty();
         let completed = wgsl::completed(text).or_else(|| nothing().then(|| (text.file.clone(), Vec::new())));
@@ -93,6 +91,21 @@ impl Joined {
         self.stated.clone_from(&whole.stated);
         self.made = JoinedText::Composed(Ok(whole));
         stands
+    }
+
+    /// The text of a file of which imports are not there or directives have no values.
+    fn open(&self) -> Option<Composed> {
+        let Request { file, folders, options } = self.lacks.as_ref()?;
+        Modules::new(folders.clone()).with_files_below().compose(file, options).ok()
+    }
+
+    /// Names that conditions of its files ask for.
+    pub fn features(&self) -> Vec<String> {
+        match &self.made {
+            JoinedText::Composed(Ok(composed)) => composed.features.clone(),
+            JoinedText::Composed(Err(_)) => self.open().map(|composed| composed.features).unwrap_or_default(),
+            JoinedText::Compiled { file, .. } => compose::features(file),
+        }
     }
 
     /// Errors about names that a text in WGSL lacks and that nobody means to declare.

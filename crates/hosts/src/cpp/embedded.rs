@@ -62,6 +62,8 @@ pub struct Candidate {
     pub place: Span,
     /// The variable that it is written to.
     pub variable: Option<(String, Span)>,
+    /// True where the host joins texts of its own to it.
+    pub joined: bool,
 }
 
 /// All shaders in literals of a file, in the order of the text. A literal that is only a part of a
@@ -73,7 +75,8 @@ pub fn find(host: &HostFile) -> Vec<Embedded> {
         return Vec::new();
     }
     let wanted = |text: &str| text.contains("main");
-    named(host, &wanted, |text| match () {
+    named(host, &wanted, |Candidate { literal: Literal { text, .. }, joined, .. }| match () {
+        () if *joined => None,
         () if is_whole(text) => Some(Whole::Shader),
         () if marks::is_module(text) && !has_placeholder(text) => Some(Whole::Module),
         () => None,
@@ -82,11 +85,11 @@ pub fn find(host: &HostFile) -> Vec<Embedded> {
 
 /// Parts of shaders in literals of a file that have functions: their host puts a version or other texts in front of them.
 pub fn pieces(host: &HostFile) -> Vec<Embedded> {
-    let is_piece = |text: &str| {
-        let other = is_whole(text) || has_placeholder(text) || syntax::is_wgsl(text);
+    let is_piece = |Candidate { literal: Literal { text, .. }, joined, .. }: &Candidate| {
+        let other = (is_whole(text) && !joined) || has_placeholder(text) || syntax::is_wgsl(text);
         !other && (marks::has_main(text) || marks::is_part(&marks::without_comments(text)))
     };
-    named(host, &|text| text.contains('{'), |text| is_piece(text).then_some(Whole::No))
+    named(host, &|text| text.contains('{'), |candidate| is_piece(candidate).then_some(Whole::No))
 }
 
 /// What a literal is as it stands.
@@ -101,7 +104,7 @@ enum Whole {
 }
 
 /// Literals that `wanted` may want and `read` knows.
-fn named(host: &HostFile, wanted: &dyn Fn(&str) -> bool, read: impl Fn(&str) -> Option<Whole>) -> Vec<Embedded> {
+fn named(host: &HostFile, wanted: &dyn Fn(&str) -> bool, read: impl Fn(&Candidate) -> Option<Whole>) -> Vec<Embedded> {
     let Some(root) = host.root() else { return Vec::new() };
     let mut candidates = stringized::find(host, root);
     let nodes: Vec<Node<'_>> = descendants(root).filter(|n| is_string(*n)).collect();
@@ -113,7 +116,7 @@ fn named(host: &HostFile, wanted: &dyn Fn(&str) -> bool, read: impl Fn(&str) -> 
         }
     }
     let mut candidates: Vec<(Candidate, Whole)> =
-        candidates.into_iter().filter_map(|c| read(&c.literal.text).map(|whole| (c, whole))).collect();
+        candidates.into_iter().filter_map(|c| read(&c).map(|whole| (c, whole))).collect();
     candidates.sort_by_key(|(c, _)| c.place);
     let sources: Vec<Source<'_>> = candidates
         .iter()
@@ -122,7 +125,7 @@ fn named(host: &HostFile, wanted: &dyn Fn(&str) -> bool, read: impl Fn(&str) -> 
     let created = creation::stages(host, root, &sources);
     let mut found: Vec<Embedded> = Vec::new();
     for ((candidate, whole), created_as) in candidates.into_iter().zip(created) {
-        let Candidate { literal, place, variable } = candidate;
+        let Candidate { literal, place, variable, .. } = candidate;
         let (partial, wgsl) = (whole == Whole::No, whole == Whole::Module);
         let by_name = || variable.as_ref().and_then(|v| Stage::of_name(&v.0));
         let stage = match marks::stage(&literal.text) {
@@ -157,8 +160,9 @@ fn candidate(host: &HostFile, node: Node<'_>) -> Option<Candidate> {
     if ancestors(node).take_while(|n| !outside.contains(&n.kind())).any(|n| n.has_error()) {
         return None;
     }
-    let literal = Literal::of(node, &host.file)?;
-    let mut value = converted(host, wrapped(node));
+    let whole = chain(node);
+    let (literal, joined) = Literal::joined(&operands(whole), &host.file)?;
+    let mut value = converted(host, wrapped(whole));
     let mut parent = value.parent()?;
     if parent.kind() == "initializer_list" {
         // Of `{ a, b }` each element is a string of its own; only one alone is surely a whole text.
@@ -184,7 +188,30 @@ fn candidate(host: &HostFile, node: Node<'_>) -> Option<Candidate> {
         },
         _ => return None,
     };
-    Some(Candidate { literal, place: span(node), variable })
+    Some(Candidate { literal, place: span(whole), variable, joined })
+}
+
+/// The sum of texts that a literal is a part of, or the literal.
+fn chain(mut node: Node<'_>) -> Node<'_> {
+    while let Some(sum) = wrapped(node).parent().filter(|up| up.kind() == "binary_expression")
+        && sum.child_by_field_name("operator").is_some_and(|operator| operator.kind() == "+")
+    {
+        node = sum;
+    }
+    node
+}
+
+/// What a sum joins, in order.
+fn operands(node: Node<'_>) -> Vec<Node<'_>> {
+    let (mut found, mut open) = (Vec::new(), vec![bare(node)]);
+    while let Some(node) = open.pop() {
+        let sides = ["right", "left"].map(|side| node.child_by_field_name(side));
+        match (node.kind(), sides) {
+            ("binary_expression", [Some(right), Some(left)]) => open.extend([bare(right), bare(left)]),
+            _ => found.push(node),
+        }
+    }
+    found
 }
 
 /// The outermost call around `node` that only converts it: `std::string("…")`, `QString("…")`.

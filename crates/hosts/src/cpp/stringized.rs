@@ -116,7 +116,7 @@ fn invocation(host: &HostFile, stringizer: &Stringizer, at: usize) -> Option<Can
         }
     }
     let start = before.map_or(at, |n| span(n).start);
-    Some(Candidate { literal, place: Span::new(start, end), variable: variable_before(text, start) })
+    Some(Candidate { literal, place: Span::new(start, end), variable: variable_before(text, start), joined: false })
 }
 
 /// The arguments of an invocation, and the offset behind it. The last one takes all that is left.

@@ -134,7 +134,7 @@ impl Build<'_> {
     /// A built-in variable that the text does not name, such as the matrix of `ftransform`.
     pub(super) fn named_builtin(&mut self, name: &str, span: Span) -> Result<(Handle<GlobalVariable>, Type)> {
         let ty = match name {
-            "gl_Vertex" => Type::VEC4,
+            "gl_Vertex" | "gl_FragCoord" => Type::VEC4,
             "gl_LocalInvocationIndex" => Type::UINT,
             _ if name.starts_with("gl_Subgroup") => Type::UINT,
             _ => Type::MAT4,

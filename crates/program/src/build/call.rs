@@ -15,8 +15,8 @@ impl Fun<'_, '_> {
     pub(super) fn user_call(&mut self, function: FunctionId, args: &[ExprId], span: Span) -> Result<Option<Val>> {
         let info = self.shader.function_info(function);
         let opaque = info.params.iter().zip(args).filter(|(param, _)| param.ty.contains_opaque());
-        if let Some((index, count)) = opaque.into_iter().find_map(|(_, &arg)| self.computed_index(arg)) {
-            return self.choose(&info.return_type, index, count, &mut |f| f.user_call(function, args, span));
+        if let Some(index) = opaque.into_iter().find_map(|(_, &arg)| self.computed_index(arg)) {
+            return self.choose(&info.return_type, index, &mut |f| f.user_call(function, args, span));
         }
         let mut arguments = Vec::new();
         let mut opaques = Vec::new();

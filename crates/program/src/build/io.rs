@@ -8,6 +8,7 @@ use super::types::has_data;
 use super::{Build, Result};
 use crate::UNSUPPORTED;
 use crate::memory::{LENGTH, Memory};
+use crate::read::Elements;
 use crate::{Port, PortAt};
 use base::diagnostic::{Diagnostic, Severity};
 use base::text::Span;
@@ -109,8 +110,20 @@ fn closed(ty: &Type) -> Type {
     }
 }
 
+/// Structures of an array that are taken apart.
+const MOST_ELEMENTS: u32 = 64;
+
 /// The largest parts of a value that are fed word by word; others are named in `unfed`.
 pub(super) fn parts(name: &str, ty: &Type, path: &[u32], found: &mut Vec<PortPart>, unfed: &mut Vec<String>) {
+    parts_of((name, ty), path, Elements::AtMost(MOST_ELEMENTS), (found, unfed));
+}
+
+fn parts_of(
+    (name, ty): (&str, &Type),
+    path: &[u32],
+    most: Elements,
+    (found, unfed): (&mut Vec<PortPart>, &mut Vec<String>),
+) {
     if ty.shape().is_some() {
         found.push(PortPart { name: name.to_owned(), path: path.to_vec(), ty: ty.clone() });
         return;
@@ -120,12 +133,12 @@ pub(super) fn parts(name: &str, ty: &Type, path: &[u32], found: &mut Vec<PortPar
         Type::Struct(s) => {
             for (k, field) in s.fields.iter().filter(|f| has_data(&f.ty)).enumerate() {
                 let name = if name.is_empty() { field.name.clone() } else { format!("{name}.{}", field.name) };
-                parts(&name, &field.ty, &step(k), found, unfed);
+                parts_of((&name, &field.ty), &step(k), most, (found, unfed));
             }
         }
-        Type::Array(element, ArraySize::Known(n)) if *n <= 64 => {
-            for k in 0..*n as usize {
-                parts(&format!("{name}[{k}]"), element, &step(k), found, unfed);
+        Type::Array(element, ArraySize::Known(n)) if most.of(*n).is_some() => {
+            for k in 0..most.of(*n).unwrap_or(0) as usize {
+                parts_of((&format!("{name}[{k}]"), element), &step(k), most, (found, unfed));
             }
         }
         _ => unfed.push(format!("`{name}` of type `{ty}`")),
@@ -353,7 +366,8 @@ impl<'s> Build<'s> {
         span: Span,
     ) {
         let (mut found, mut unfed) = (Vec::new(), Vec::new());
-        parts(name, ty, &[], &mut found, &mut unfed);
+        // A host that fills fewer elements leaves zeros.
+        parts_of((name, ty), &[], Elements::First(MOST_ELEMENTS), (&mut found, &mut unfed));
         for part in found {
             let Some(shape) = part.ty.shape() else { continue };
             let mut inner = host;

@@ -92,6 +92,12 @@ impl Fun<'_, '_> {
                 level = SampleLevel::Bias(bias.e);
             }
         }
+        if ty.scalar != ScalarType::Float
+            && !gather
+            && matches!(ty.dim, TextureDim::D2 | TextureDim::D3 | TextureDim::D1)
+        {
+            return self.nearest(&lookup, offset);
+        }
         if ty.scalar != ScalarType::Float && !gather {
             let message = format!("`{function}` of a `{ty}`");
             return Err(self.build.unsupported(span, message, "use `texelFetch`"));
@@ -126,6 +132,39 @@ impl Fun<'_, '_> {
         });
         let ty = if compares && !gather { Type::FLOAT } else { Type::Vector(lookup.ty.scalar, 4) };
         Ok(Val { e, ty })
+    }
+
+    /// A texel of whole numbers, which no sampler filters: the one that the coordinates lie in, or the nearest to them.
+    fn nearest(&mut self, lookup: &Lookup, offset: Option<Expr>) -> Result<Val> {
+        let Lookup { ty, image, at, .. } = lookup;
+        let zero = self.i32(0);
+        let size =
+            self.add(Expression::ImageQuery { image: *image, query: naga::ImageQuery::Size { level: Some(zero) } });
+        let of = |scalar| Type::vector(scalar, ty.coordinates());
+        let size = self.cast(Val { e: size, ty: of(ScalarType::Uint) }, ScalarType::Uint, ScalarType::Float)?;
+        let one = self.all(&size.ty, 1.0)?;
+        let last = self.add(Expression::Binary { op: B::Subtract, left: size.e, right: one.e });
+        let scaled = self.add(Expression::Binary { op: B::Multiply, left: at.e, right: size.e });
+        let mut texel = self.math(MathFunction::Floor, &[scaled]);
+        if let Some(offset) = offset {
+            let offset = self.cast(Val { e: offset, ty: of(ScalarType::Int) }, ScalarType::Int, ScalarType::Float)?;
+            texel = self.add(Expression::Binary { op: B::Add, left: texel, right: offset.e });
+        }
+        let first = self.all(&size.ty, 0.0)?;
+        let inside = self.math(MathFunction::Clamp, &[texel, first.e, last]);
+        let texel = self.cast(Val { e: inside, ty: of(ScalarType::Float) }, ScalarType::Float, ScalarType::Int)?;
+        let layer = match lookup.layer {
+            Some(layer) => {
+                let count = self.add(Expression::ImageQuery { image: *image, query: naga::ImageQuery::NumLayers });
+                let count = self.cast(Val { e: count, ty: Type::UINT }, ScalarType::Uint, ScalarType::Int)?;
+                let one = self.i32(1);
+                let last = self.add(Expression::Binary { op: B::Subtract, left: count.e, right: one });
+                let first = self.i32(0);
+                Some(self.math(MathFunction::Clamp, &[layer, first, last]))
+            }
+            None => None,
+        };
+        self.texel_of(*ty, *image, texel, layer)
     }
 
     /// True when the reference value is an argument of its own.

@@ -8,6 +8,7 @@
 mod buffer;
 mod builtin;
 mod call;
+mod chosen;
 mod constructor;
 mod discard;
 mod effect;

@@ -66,14 +66,18 @@ impl Build<'_> {
         }
         let dim = match ty.dim {
             TextureDim::D1 => ImageDimension::D1,
-            TextureDim::D2 | TextureDim::Rect => ImageDimension::D2,
+            TextureDim::D2 | TextureDim::Rect | TextureDim::Subpass => ImageDimension::D2,
             TextureDim::D3 => ImageDimension::D3,
             TextureDim::Cube => ImageDimension::Cube,
             TextureDim::Buffer => return Err(self.unsupported(span, format!("`{ty}`"), "use a storage buffer")),
         };
+        // What is run has the samples of a pixel in layers: the harness draws into no texture.
+        let layered = self.run && ty.multisampled && !ty.arrayed && ty.kind == OpaqueKind::Sampler;
+        self.differs |= layered;
+        let multi = ty.multisampled && !layered;
         let class = match ty.kind {
-            OpaqueKind::Sampler if ty.shadow => ImageClass::Depth { multi: ty.multisampled },
-            OpaqueKind::Sampler => ImageClass::Sampled { kind: kind(ty.scalar), multi: ty.multisampled },
+            OpaqueKind::Sampler if ty.shadow => ImageClass::Depth { multi },
+            OpaqueKind::Sampler => ImageClass::Sampled { kind: kind(ty.scalar), multi },
             OpaqueKind::Image => {
                 let format = match (opaque.image.format.as_deref(), ty.scalar) {
                     (Some(format), scalar) => storage_format(sized_format(format, scalar)),
@@ -100,16 +104,16 @@ impl Build<'_> {
                 return Err(self.unsupported(span, "an atomic counter", "use a number in a storage buffer"));
             }
         };
-        let image = self.insert(None, TypeInner::Image { dim, arrayed: ty.arrayed, class });
+        let image = self.insert(None, TypeInner::Image { dim, arrayed: ty.arrayed || layered, class });
         let name: String =
             opaque.key.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect::<String>();
         let image = self.with_binding(name.trim_end_matches('_'), AddressSpace::Handle, image);
-        let sampled = ty.kind == OpaqueKind::Sampler && !ty.multisampled;
+        let sampled = ty.kind == OpaqueKind::Sampler && !ty.multisampled && ty.dim != TextureDim::Subpass;
         let sampler = sampled.then(|| {
             let ty = self.insert(None, TypeInner::Sampler { comparison: ty.shadow });
             self.with_binding(&format!("{name}_sampler"), AddressSpace::Handle, ty)
         });
-        match TextureKind::of(dim, ty.arrayed, class) {
+        match TextureKind::of(dim, ty.arrayed || layered, class) {
             Some(kind) => {
                 let contents = Arc::new(Image::procedural(&opaque.key, kind));
                 self.ports.bound.push(Supplied { name: opaque.key.clone(), kind, image, sampler, contents });
@@ -209,14 +213,14 @@ impl Fun<'_, '_> {
         args: &[ExprId],
         span: Span,
     ) -> Result<Option<Option<Val>>> {
-        let family = ["texture", "texel", "shadow", "image", "atomicCounter"];
+        let family = ["texture", "texel", "shadow", "image", "atomicCounter", "subpass"];
         if !family.iter().any(|f| function.name().starts_with(f)) {
             return Ok(None);
         }
         let Some(&first) = args.first() else { return Ok(None) };
-        if let Some((index, count)) = self.computed_index(first) {
+        if let Some(index) = self.computed_index(first) {
             let ty = self.shader.type_of(id).clone();
-            return self.choose(&ty, index, count, &mut |f| f.builtin(id, function, args, span)).map(Some);
+            return self.choose(&ty, index, &mut |f| f.builtin(id, function, args, span)).map(Some);
         }
         let Some(opaque) = self.opaque(first)? else { return Ok(None) };
         let Type::Opaque(ty) = opaque.ty else { return Ok(None) };
@@ -246,7 +250,9 @@ impl Fun<'_, '_> {
         let result = match plain {
             F::TextureSize => self.size(ty, image, value(0))?,
             F::TextureQueryLevels => self.query(image, ImageQuery::NumLevels)?,
+            F::TextureSamples if self.is_layered(ty) => self.query(image, ImageQuery::NumLayers)?,
             F::TextureSamples => self.query(image, ImageQuery::NumSamples)?,
+            F::SubpassLoad => self.subpass(ty, image, value(0), span)?,
             F::TextureQueryLod => {
                 return Err(self.build.unsupported(span, "`textureQueryLod`", "compute the level of detail"));
             }
@@ -281,53 +287,6 @@ impl Fun<'_, '_> {
             _ => result,
         };
         Ok(Some(Some(result)))
-    }
-
-    /// An index into an array of samplers that is not known now, with the length of the array.
-    pub(super) fn computed_index(&self, id: ExprId) -> Option<(ExprId, u32)> {
-        match self.shader.expr(id).kind {
-            ExprKind::Index { base, index } => {
-                if self.constant_index(index).is_none() {
-                    let count = argument_of(self.build, base)?.index_count()?;
-                    return Some((index, count));
-                }
-                self.computed_index(base)
-            }
-            ExprKind::Field { base, .. } | ExprKind::Paren(base) => self.computed_index(base),
-            _ => None,
-        }
-    }
-
-    /// A call with each texture of an array, of which the index chooses one.
-    pub(super) fn choose(
-        &mut self,
-        ty: &Type,
-        index: ExprId,
-        count: u32,
-        each: &mut dyn FnMut(&mut Self) -> Result<Option<Val>>,
-    ) -> Result<Option<Val>> {
-        let chosen = self.expression(index)?;
-        let chosen = self.cast(chosen.clone(), chosen.ty.scalar().unwrap_or(ScalarType::Int), ScalarType::Uint)?;
-        let result = if *ty == Type::Void { None } else { Some(self.local("sc_texel", ty)?) };
-        for k in 0..count {
-            let number = self.number(ScalarType::Uint, f64::from(k));
-            let condition = self.add(Expression::Binary { op: B::Equal, left: chosen.e, right: number });
-            let result = result.clone();
-            self.branch(
-                condition,
-                |f| {
-                    f.chosen.insert(index, k);
-                    let value = each(f);
-                    f.chosen.remove(&index);
-                    match (result, value?) {
-                        (Some(place), Some(value)) => f.store(&place, &value),
-                        _ => Ok(()),
-                    }
-                },
-                |_| Ok(()),
-            )?;
-        }
-        result.map(|place| self.load(&place)).transpose()
     }
 
     fn query(&mut self, image: Expr, query: ImageQuery) -> Result<Val> {
@@ -374,6 +333,9 @@ impl Fun<'_, '_> {
             at = Val { e, ty: at.ty };
         }
         let second = value(1).map(|v| v.e);
+        if let Some(sample) = second.filter(|_| self.is_layered(ty)) {
+            return self.sample_in_layer(ty, image, at, sample);
+        }
         let (sample, level) = match (ty.multisampled, ty.dim) {
             (true, _) => (second, None),
             (false, TextureDim::Rect) => (None, Some(self.i32(0))),
@@ -381,6 +343,52 @@ impl Fun<'_, '_> {
         };
         let e = self.add(Expression::ImageLoad { image, coordinate: at.e, array_index, sample, level });
         Ok(Val { e, ty: Type::Vector(ty.scalar, 4) })
+    }
+
+    /// Whether the samples of a texture are its layers.
+    fn is_layered(&self, ty: OpaqueType) -> bool {
+        self.build.run && ty.multisampled && !ty.arrayed
+    }
+
+    /// A sample of a pixel, the last one for numbers behind it: how many there are, the host says.
+    fn sample_in_layer(&mut self, ty: OpaqueType, image: Expr, at: Val, sample: Expr) -> Result<Val> {
+        let count = self.query(image, ImageQuery::NumLayers)?;
+        let one = self.i32(1);
+        let last = self.add(Expression::Binary { op: B::Subtract, left: count.e, right: one });
+        let layer = self.math(naga::MathFunction::Min, &[sample, last]);
+        self.texel_of(ty, image, at, Some(layer))
+    }
+
+    /// A texel of the first level.
+    pub(super) fn texel_of(&mut self, ty: OpaqueType, image: Expr, at: Val, layer: Option<Expr>) -> Result<Val> {
+        let level = Some(self.i32(0));
+        let e = self.add(Expression::ImageLoad { image, coordinate: at.e, array_index: layer, sample: None, level });
+        Ok(Val { e, ty: Type::Vector(ty.scalar, 4) })
+    }
+
+    /// What an earlier subpass wrote to the pixel. No pixel lies outside of the attachment: where that of the harness is
+    /// smaller, it repeats.
+    fn subpass(&mut self, ty: OpaqueType, image: Expr, sample: Option<Val>, span: Span) -> Result<Val> {
+        let pixel = self.state("gl_FragCoord", span)?;
+        let pixel = self.swizzle(&pixel, &[0, 1])?;
+        let mut at = self.cast(pixel, ScalarType::Float, ScalarType::Int)?;
+        if self.build.run {
+            self.build.differs = true;
+            let level = Some(self.i32(0));
+            let size = self.add(Expression::ImageQuery { image, query: ImageQuery::Size { level } });
+            let plain = self.cast(at, ScalarType::Int, ScalarType::Uint)?;
+            let e = self.add(Expression::Binary { op: B::Modulo, left: plain.e, right: size });
+            at = self.cast(Val { e, ty: plain.ty }, ScalarType::Uint, ScalarType::Int)?;
+        }
+        match sample {
+            Some(sample) if self.is_layered(ty) => self.sample_in_layer(ty, image, at, sample.e),
+            Some(sample) => {
+                let sample = Some(sample.e);
+                let e = Expression::ImageLoad { image, coordinate: at.e, array_index: None, sample, level: None };
+                Ok(Val { e: self.add(e), ty: Type::Vector(ty.scalar, 4) })
+            }
+            None => self.texel_of(ty, image, at, None),
+        }
     }
 
     /// `ivec2(1, -1)` and the like, as naga wants it: with numbers alone.

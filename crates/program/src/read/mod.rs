@@ -45,7 +45,7 @@ use compiled::Compiled;
 
 pub(crate) use flat::flat_if_needed;
 pub use language::Written;
-pub(crate) use ports::parts_of;
+pub(crate) use ports::{Elements, parts_of};
 pub use spirv::listing;
 pub use wgsl::holds_in_any_version;
 

@@ -19,6 +19,25 @@ use base::value::{Field, Shape};
 /// Elements of an array that are taken apart.
 const MOST_ELEMENTS: u32 = 64;
 
+/// What becomes of arrays of structures that are long.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Elements {
+    /// One of more elements is not taken apart.
+    AtMost(u32),
+    /// So many come first, and the others are left as they are.
+    First(u32),
+}
+
+impl Elements {
+    /// How many of `n` elements are taken apart; none where the array is too long.
+    pub(crate) fn of(self, n: u32) -> Option<u32> {
+        match self {
+            Self::AtMost(most) => (n <= most).then_some(n),
+            Self::First(most) => Some(n.min(most)),
+        }
+    }
+}
+
 /// A part of a value that is fed or read word by word.
 #[derive(Clone, Debug)]
 pub(crate) struct Part {
@@ -45,15 +64,15 @@ pub(crate) fn parts(
     found: &mut Vec<Part>,
     unfed: &mut Vec<String>,
 ) {
-    parts_of(module, ty, (name, path), MOST_ELEMENTS, (found, unfed));
+    parts_of(module, ty, (name, path), Elements::AtMost(MOST_ELEMENTS), (found, unfed));
 }
 
-/// The same, with each of `most` structures of an array at most.
+/// The same, with so many structures of an array.
 pub(crate) fn parts_of(
     module: &Module,
     ty: Handle<Type>,
     (name, path): (&str, &[u32]),
-    most: u32,
+    most: Elements,
     (found, unfed): (&mut Vec<Part>, &mut Vec<String>),
 ) {
     if let Some(shape) = shape_of(module, ty) {
@@ -73,8 +92,8 @@ pub(crate) fn parts_of(
                 parts_of(module, member.ty, (&name, &step(k)), most, (found, unfed));
             }
         }
-        TypeInner::Array { base, size: naga::ArraySize::Constant(n), .. } if n.get() <= most => {
-            for k in 0..n.get() {
+        TypeInner::Array { base, size: naga::ArraySize::Constant(n), .. } if most.of(n.get()).is_some() => {
+            for k in 0..most.of(n.get()).unwrap_or(0) {
                 parts_of(module, *base, (&format!("{name}[{k}]"), &step(k)), most, (found, unfed));
             }
         }
@@ -107,13 +126,16 @@ fn is_wrapper(module: &Module, ty: Handle<Type>) -> bool {
 }
 
 /// A type that is not fed, in words.
-fn described(module: &Module, ty: Handle<Type>, inner: &TypeInner, most: u32) -> String {
+fn described(module: &Module, ty: Handle<Type>, inner: &TypeInner, most: Elements) -> String {
     let named = module.types[ty].name.as_ref().map_or_else(String::new, |name| format!(" `{name}`"));
     match inner {
         TypeInner::Scalar(scalar) | TypeInner::Vector { scalar, .. } | TypeInner::Matrix { scalar, .. } => {
             format!("whose numbers have {} bits,", 8 * u32::from(scalar.width))
         }
-        TypeInner::Array { .. } => format!("an array of more than {most} elements,"),
+        TypeInner::Array { .. } => {
+            let (Elements::AtMost(most) | Elements::First(most)) = most;
+            format!("an array of more than {most} elements,")
+        }
         TypeInner::Struct { .. } => format!("a structure{named},"),
         TypeInner::Pointer { .. } | TypeInner::ValuePointer { .. } => "a pointer,".to_owned(),
         TypeInner::Image { .. } => "a texture,".to_owned(),
@@ -157,7 +179,9 @@ impl Ports<'_> {
             let (mut found, mut unfed) = (Vec::new(), Vec::new());
             match variable.space {
                 AddressSpace::Uniform => {
-                    parts(module, variable.ty, (&name, &[]), &mut found, &mut unfed);
+                    // A host that fills fewer elements leaves zeros.
+                    let most = Elements::First(MOST_ELEMENTS);
+                    parts_of(module, variable.ty, (&name, &[]), most, (&mut found, &mut unfed));
                     for part in found {
                         let field = Field { name: part.name, shape: part.shape };
                         let at = at(module, handle, &part.path);

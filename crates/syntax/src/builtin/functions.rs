@@ -196,7 +196,7 @@ functions! {
     SubgroupClusteredXor "subgroupClusteredXor": ["iubcCsSlL" "1234" "T(T,uint)"];
     // 8.9 textures and 8.12 images; their forms follow from the types of samplers and images
     TextureSize "textureSize", TextureQueryLevels "textureQueryLevels", TextureQueryLod "textureQueryLod",
-    TextureSamples "textureSamples", TexelFetch "texelFetch", TexelFetchOffset "texelFetchOffset", Texture "texture",
+    SubpassLoad "subpassLoad", TextureSamples "textureSamples", TexelFetch "texelFetch", TexelFetchOffset "texelFetchOffset", Texture "texture",
     TextureOffset "textureOffset", TextureLod "textureLod", TextureLodOffset "textureLodOffset",
     TextureGrad "textureGrad", TextureGradOffset "textureGradOffset", TextureProj "textureProj",
     TextureProjOffset "textureProjOffset", TextureProjLod "textureProjLod",

@@ -254,6 +254,7 @@ const FUNCTIONS: &[Row] = &[
     ("textureQueryLevels", "*", 430, NEVER, &["ARB_texture_query_levels"]),
     ("textureGather textureGatherOffset", "*", 400, 310, &["ARB_texture_gather", "ARB_gpu_shader5"]),
     ("textureGatherOffsets", "*", 400, 320, &["ARB_gpu_shader5"]),
+    ("subpassLoad", "f", NEVER, NEVER, &["KHR_vulkan_glsl"]),
     (
         "atomicCounterAdd atomicCounterSubtract atomicCounterMin atomicCounterMax atomicCounterAnd atomicCounterOr \
          atomicCounterXor atomicCounterExchange atomicCounterCompSwap",

@@ -63,6 +63,14 @@ pub(super) fn add(all: &mut Table) {
     for image in all_types(OpaqueKind::Image) {
         images(&mut to, image);
     }
+    for name in
+        ["subpassInput", "isubpassInput", "usubpassInput", "subpassInputMS", "isubpassInputMS", "usubpassInputMS"]
+    {
+        let Some(input) = OpaqueType::of_vulkan(name).map(OpaqueType::sampled) else { continue };
+        let params = [Type::Opaque(input), Type::INT];
+        let count = if input.multisampled { 2 } else { 1 };
+        to.add("subpassLoad", &params[..count], &Type::Vector(input.scalar, 4));
+    }
 }
 
 /// Components of the coordinate of `texture`: layer and reference value included. A 1D shadow

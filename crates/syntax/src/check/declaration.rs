@@ -71,9 +71,9 @@ impl Checker<'_> {
                     // The functions behind a subroutine type are chosen by the host; what they
                     // take and return is not followed.
                     None if self.subroutines.contains(name) => Type::Error,
-                    // Vulkan has textures without a sampler.
-                    None if self.language.is_open() && OpaqueType::of_texture(name).is_some() => {
-                        OpaqueType::of_texture(name).map_or(Type::Error, Type::Opaque)
+                    // Vulkan has textures without a sampler, and what earlier subpasses wrote.
+                    None if self.language.is_open() && OpaqueType::of_vulkan(name).is_some() => {
+                        OpaqueType::of_vulkan(name).map_or(Type::Error, Type::Opaque)
                     }
                     None if builtin::structure_type(name).is_some()
                         && (name == "gl_DepthRangeParameters" || !(self.language.core() || self.language.es())) =>

@@ -242,7 +242,9 @@ fn dimensions(texture: OpaqueType) -> Type {
     match (texture.kind, texture.dim) {
         (OpaqueKind::AtomicCounter, _) => Type::Error,
         (_, TextureDim::D1 | TextureDim::Buffer) => Type::UINT,
-        (_, TextureDim::D2 | TextureDim::Cube | TextureDim::Rect) => Type::Vector(ScalarType::Uint, 2),
+        (_, TextureDim::D2 | TextureDim::Cube | TextureDim::Rect | TextureDim::Subpass) => {
+            Type::Vector(ScalarType::Uint, 2)
+        }
         (_, TextureDim::D3) => Type::Vector(ScalarType::Uint, 3),
     }
 }

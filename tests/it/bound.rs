@@ -1,0 +1,183 @@
+//! What a host binds beside numbers, and texts that its host has more to say to: each runs, has a fault that is found, and a
+//! twin without it.
+
+use std::fs;
+
+use crate::binary::{Ran, run_in};
+
+/// Runs a file with one of two expressions in the place of `FAULT`: one without a value, and one that has one everywhere.
+fn both(name: &str, text: &str, arguments: &str) -> [Ran; 2] {
+    ["sqrt(-1.0 - x * x)", "sqrt(1.0 + x * x)"].map(|fault| {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join(name), text.replace("FAULT", fault)).unwrap();
+        run_in(folder.path(), &format!("fuzz {name} --lane embedded --samples 1024 {arguments}"))
+    })
+}
+
+/// The first has a finding or a warning, the second none, and both run whole.
+fn told([wrong, right]: &[Ran; 2], what: &str) {
+    for ran in [wrong, right] {
+        assert!(ran.out.contains("0 not run") && !ran.out.contains("does not compile"), "{ran:?}");
+    }
+    assert!(wrong.out.contains(what), "{wrong:?}");
+    assert!(right.out.contains("0 findings, 0 warnings") && !right.out.contains(what), "{right:?}");
+}
+
+const NO_VALUE: &str = "has no value: sqrt(-";
+
+fn fragment(head: &str, x: &str) -> String {
+    format!(
+        "#version 450\n#extension GL_EXT_nonuniform_qualifier : require\n{head}\nlayout(location = 0) in vec2 uv;\n\
+         layout(location = 1) flat in uint id;\nlayout(location = 0) out float color;\n\
+         void main() {{ float x = {x}; color = FAULT; }}\n"
+    )
+}
+
+#[test]
+fn textures_of_an_array_of_any_length_are_chosen_by_a_computed_index() {
+    for (head, x) in [
+        ("layout(binding = 0) uniform sampler2D all[];", "texture(all[nonuniformEXT(id)], uv).x"),
+        ("layout(binding = 0) uniform sampler2D all[4096];", "texture(all[id], uv).x"),
+        (
+            "layout(binding = 0) uniform texture2D all[];\nlayout(binding = 1) uniform sampler linear;",
+            "texture(nonuniformEXT(sampler2D(all[id], linear)), uv).x",
+        ),
+    ] {
+        told(&both("a.frag", &fragment(head, x), ""), NO_VALUE);
+    }
+}
+
+#[test]
+fn an_input_attachment_and_the_samples_of_a_pixel_are_fed() {
+    let subpass = "layout(input_attachment_index = 0, binding = 0) uniform";
+    for (head, x) in [
+        (format!("{subpass} subpassInput own;"), "subpassLoad(own).x"),
+        (format!("{subpass} usubpassInput own;"), "float(subpassLoad(own).x & 255u)"),
+        (format!("{subpass} subpassInputMS own;"), "subpassLoad(own, 2).x"),
+        ("layout(binding = 0) uniform sampler2DMS own;".to_owned(), "texelFetch(own, ivec2(uv * 7.0), int(id)).x"),
+    ] {
+        told(&both("a.frag", &fragment(&head, x), ""), NO_VALUE);
+    }
+    // Not every sample holds the same.
+    let text = fragment("layout(binding = 0) uniform sampler2DMS own;", "0.0");
+    let texel = |sample: u32| format!("texelFetch(own, ivec2(3), {sample}).x");
+    let text = text.replace("FAULT", &format!("sqrt({} == {} ? -1.0 : 1.0)", texel(0), texel(1)));
+    let [ran, _] = both("a.frag", &text, "");
+    assert!(ran.out.contains("0 findings, 0 warnings") && ran.out.contains("0 not run"), "{ran:?}");
+}
+
+#[test]
+fn texels_of_whole_numbers_are_those_in_which_their_coordinates_lie() {
+    let head = "layout(binding = 0) uniform usampler2D own;\nlayout(binding = 1) uniform isampler2DArray layers;";
+    let at = "clamp(ivec2(floor(uv * vec2(textureSize(own, 0)))), ivec2(0), textureSize(own, 0) - 1)";
+    let text = fragment(head, "float(texture(layers, vec3(uv, 1.0)).x & 7)");
+    told(&both("a.frag", &text, ""), NO_VALUE);
+    for (right, by) in [(true, "ivec2(0)"), (false, "ivec2(1, 0)")] {
+        let same = format!("texture(own, uv) == texelFetch(own, min({at} + {by}, textureSize(own, 0) - 1), 0)");
+        let [ran, _] = both("a.frag", &text.replace("FAULT", &format!("sqrt({same} ? 1.0 : -1.0)")), "");
+        assert_eq!(ran.out.contains("has no value: sqrt(-1"), !right, "{ran:?}");
+    }
+}
+
+#[test]
+fn a_uniform_of_more_structures_than_are_fed_is_run() {
+    let text = "struct Light { at: vec4f, size: f32, }\n@group(0) @binding(0) var<uniform> lights: array<Light, 200>;\n\
+        @fragment fn fs(@location(0) uv: vec2f) -> @location(0) f32 { let x = lights[2].size * uv.x; return FAULT; }\n";
+    told(&both("a.wgsl", text, ""), NO_VALUE);
+    let text = fragment(
+        "struct Light { vec4 at; float size; };\nlayout(binding = 0) uniform Lights { Light lights[200]; };",
+        "lights[2].size * uv.x + lights[190].size",
+    );
+    told(&both("a.frag", &text, ""), NO_VALUE);
+}
+
+#[test]
+fn names_that_a_host_always_defines_are_found_together() {
+    let module = "#define_import_path app::lib\n#ifdef PADDED\nconst PAD: f32 = 2.0;\n#endif\n\
+        fn depth(z: f32) -> f32 {\n#ifdef PLANE\n    return z;\n#endif\n#ifdef SPACE\n    return z + 1.0;\n#endif\n}\n";
+    let text = "#import app::lib\n\
+        @fragment fn fs(@location(0) x: f32) -> @location(0) f32 { return app::lib::depth(x) + app::lib::PAD + FAULT; }\n";
+    let runs = ["sqrt(-1.0 - x * x)", "sqrt(1.0 + x * x)"].map(|fault| {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("lib.wgsl"), module).unwrap();
+        fs::write(folder.path().join("a.wgsl"), text.replace("FAULT", fault)).unwrap();
+        run_in(folder.path(), "fuzz a.wgsl --lane embedded --samples 1024")
+    });
+    told(&runs, NO_VALUE);
+    // What no name mends stays an error.
+    let folder = tempfile::tempdir().unwrap();
+    let broken = module.replace("return z;", "return true;").replace("return z + 1.0;", "return true;");
+    fs::write(folder.path().join("lib.wgsl"), broken).unwrap();
+    let ran = run_in(folder.path(), "fuzz lib.wgsl --lane embedded --samples 1024");
+    assert!(!ran.out.contains("0 not run"), "{ran:?}");
+}
+
+#[test]
+fn shaders_that_a_host_puts_together_by_sums_and_macros_are_run() {
+    let lines = "\"in float x;\\n\"\n    \"out vec4 c;\\n\"\n    \"void main() { c = vec4(FAULT); }\\n\";\n";
+    for (head, start) in [
+        ("#include <string>\n", "static const std::string fsSrc =\n    version() +\n    "),
+        ("#define VERSION_330 shared_version\n", "static const char *fragment_shader = VERSION_330\n    "),
+    ] {
+        let text = format!("{head}{start}{lines}GLuint f = glCreateShader(GL_FRAGMENT_SHADER);\n");
+        told(&both("host.cpp", &text, ""), NO_VALUE);
+    }
+    // A number in the middle of a line is no text between lines.
+    let text = "static const std::string fsSrc = \"const int N = \" + number + \";\\nfloat f(float x) { return FAULT; }\\n\";\n";
+    let [ran, _] = both("host.cpp", text, "");
+    assert!(ran.code != 0 && !ran.out.contains(NO_VALUE), "{ran:?}");
+}
+
+#[test]
+fn functions_of_a_host_that_get_a_buffer_read_and_write_it() {
+    let kernel = |at: &str| {
+        format!(
+            "#version 450\nlayout(local_size_x = 64) in;\nlayout(binding = 0) readonly buffer A {{ element from[]; }};\n\
+             layout(binding = 1) buffer B {{ element to[]; }};\nlayout(push_constant) uniform P {{ int n; }} p;\n\
+             void main() {{ int i = int(gl_GlobalInvocationID.x);\nif (i >= p.n) return;\n\
+             store1(to, {at}, load1(from, i) * 2.0); }}\n"
+        )
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let run = |at: &str| {
+        fs::write(folder.path().join("k.comp"), kernel(at)).unwrap();
+        run_in(folder.path(), "fuzz k.comp --lane embedded")
+    };
+    let (wrong, right) = (run("i / 2"), run("i"));
+    assert!(wrong.out.contains("race") && !right.out.contains("race"), "{wrong:?} {right:?}");
+    for ran in [&wrong, &right] {
+        assert!(ran.err.contains("--define 'load1(from,at)=(from[at])'") && ran.out.contains("0 not run"), "{ran:?}");
+    }
+}
+
+#[test]
+fn what_only_a_host_or_another_reader_decides_is_not_run_and_no_error() {
+    let folder = tempfile::tempdir().unwrap();
+    for (text, why) in [
+        ("fn f() -> f32 {\n    {{ declares_x }}\n    return x;\n}\n", "its host fills in placeholders"),
+        (
+            "@group(0) @binding(0) var<storage, read_write> data: array<f32>;\n\
+             fn add(p: ptr<storage, array<f32>, read_write>, i: u32) { (*p)[i] = (*p)[i] + 1.0; }\n\
+             @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) g: vec3u) { add(&data, g.x); }\n",
+            "its reader here does not take it",
+        ),
+    ] {
+        fs::write(folder.path().join("a.wgsl"), text).unwrap();
+        let ran = run_in(folder.path(), "fuzz a.wgsl --lane embedded --samples 256").expect(2);
+        assert!(ran.out.contains(why) && !ran.out.contains("does not compile"), "{ran:?}");
+    }
+    // A loop that waits for another answer of the host would end there.
+    let kernel = |goes_on: &str| {
+        format!(
+            "#version 450\nlayout(local_size_x = 4) in;\nlayout(binding = 0) buffer B {{ float to[4]; }};\n\
+             layout(push_constant) uniform P {{ float start; }} p;\n\
+             void main() {{ float sum = 0.0; while ({goes_on}) sum += 1.0; to[gl_LocalInvocationIndex] = sum; }}\n"
+        )
+    };
+    let runs = ["more()", "sum >= 0.0"].map(|goes_on| {
+        fs::write(folder.path().join("k.comp"), kernel(goes_on)).unwrap();
+        run_in(folder.path(), "fuzz k.comp --lane embedded --samples 1024")
+    });
+    let endless = "warning: main: this loop does not end";
+    assert_eq!(runs.each_ref().map(|ran| ran.out.contains(endless)), [false, true], "{runs:?}");
+}
