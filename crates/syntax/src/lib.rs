@@ -168,6 +168,12 @@ pub fn is_builtin_function(shader: &Shader, name: &str) -> bool {
     !builtin::functions(name).is_empty() && builtin::function_absent(name, shader.stage(), &language).is_none()
 }
 
+/// True for a name or literal that only an extension brings which no text can enable that states no version: its extension needs
+/// a later one than the first.
+pub fn needs_stated_version(word: &str) -> bool {
+    builtin::is_late(word) || word.starts_with(|c: char| c.is_ascii_digit() || c == '.')
+}
+
 /// A function that prints a string and numbers, and changes nothing (GL_EXT_debug_printf).
 pub const PRINTS: &str = "debugPrintfEXT";
 

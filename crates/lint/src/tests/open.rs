@@ -314,6 +314,26 @@ fn templates_in_directives_are_filled_in() {
 }
 
 #[test]
+fn a_type_of_an_extension_is_enabled_where_the_version_is_stated() {
+    let text = |head: &str, tail: &str| {
+        format!(
+            "{head}layout(std430, binding = 0) buffer B {{ uint64_t a[]; }};\n\
+             uint64_t f(uint64_t x) {{ return atomicAdd(a[0], x) + atomicMax(a[1], 1ul); }}\n\
+             float16_t g(f16vec3 a, f16vec3 b) {{ f16vec3 c = normalize(a); return dot(c, mix(a, b, c)); }}\n{tail}"
+        )
+    };
+    let main = "layout(local_size_x = 1) in;\nvoid main() { a[2] = f(a[0]) + uint64_t(g(f16vec3(1), f16vec3(2))); }\n";
+    only_on_request(&[("a.glsl", &text("", ""))], "V010");
+    only_on_request(&[("a.comp", &text("", main))], "V010");
+    for version in ["#version 310 es\nprecision highp float;\n", "#version 450\n"] {
+        let (default, _) = found(&[("a.comp", &text(version, main))]);
+        assert!(!default.is_empty() && default.iter().all(|code| code == "V010"), "{default:?}");
+    }
+    // What no extension mends is told.
+    by_default(&[("a.comp", &text("", &main.replace("a[2]", "vec2 q = vec3(1.0); a[2]")))], "T003");
+}
+
+#[test]
 fn a_shader_without_main_may_be_joined_to_others() {
     let text = |name: &str| format!("#version 330\nout vec4 c;\nvoid {name}() {{ c = vec4(1.0); }}\n");
     only_on_request(&[("a.frag", &text("shade"))], "E025");

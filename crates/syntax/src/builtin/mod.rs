@@ -9,7 +9,7 @@ mod variables;
 pub use functions::BuiltinFunction;
 pub(crate) use functions::{Signature, functions, names as function_names};
 pub(crate) use since::{
-    Absent, function as function_absent, has_scalar, in_per_vertex, is_sized_name, type_since,
+    Absent, WIDE_ATOMICS, function as function_absent, has_scalar, in_per_vertex, is_late, is_sized_name, type_since,
     variable as variable_absent,
 };
 pub(crate) use variables::{Builtin, names as variable_names, structure_type, variable};

@@ -454,6 +454,18 @@ pub(crate) fn is_sized_name(name: &str) -> bool {
     ScalarType::of_sized_name(name).is_some()
 }
 
+/// True for what only extensions bring that need a later version than a text has which states none: types that say their
+/// size, and what KHR has for Vulkan.
+pub(crate) fn is_late(name: &str) -> bool {
+    let late = |e: &str| e.starts_with("KHR_") || e.starts_with("EXT_shader_explicit_arithmetic_types");
+    let rows = [&FUNCTION_ROWS, &VARIABLE_ROWS].into_iter().filter_map(|rows| rows.get(name)).flatten();
+    let mut rows = rows.map(|row| row.2 == NEVER && row.3 == NEVER && row.4.iter().any(|e| late(e)));
+    is_sized_name(name) || rows.any(|late| late)
+}
+
+/// The extensions that bring atomic functions on 64 bits.
+pub(crate) const WIDE_ATOMICS: Since = (NEVER, NEVER, &["EXT_shader_atomic_int64", "NV_shader_atomic_int64"]);
+
 /// True when the language has a type that only extensions bring.
 pub(crate) fn has_scalar(scalar: ScalarType, language: &Language) -> bool {
     language.since((NEVER, NEVER, sized(scalar)))

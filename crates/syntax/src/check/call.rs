@@ -278,7 +278,7 @@ impl Checker<'_> {
             let language = self.language.clone();
             let fragment = matches!(self.stage, super::super::Stage::Fragment | super::super::Stage::Library);
             let built_in =
-                built_in.iter().filter(|s| absent.is_none() && available(&name.name, s, &language, fragment));
+                built_in.iter().filter(|s| absent.is_none() && available(&name.name, s, &types, &language, fragment));
             candidates.extend(built_in.map(|Signature { params, result, bias: _ }| Candidate {
                 params: params.clone(),
                 result: result.clone(),
@@ -327,6 +327,7 @@ impl Checker<'_> {
         }
         if user.is_none() {
             self.texel_offset(name, &params, args);
+            self.wide_atomic(name, &params);
         }
         let function = BuiltinFunction::from_name(&name.name);
         let value = match user {
@@ -388,6 +389,15 @@ impl Checker<'_> {
             let d = self.sink.start(errors::NO_OVERLOAD, name.span, message);
             let d = d.with_label(message!("several fit after conversions", "変換すると複数が当てはまります"));
             self.sink.push(d.with_related(&file, first, message!("this one fits as well", "これも当てはまります")));
+        }
+    }
+
+    /// Atomic functions on 64 bits come with an extension of their own, beside that of the type.
+    fn wide_atomic(&mut self, name: &Ident, params: &[(Direction, Type)]) {
+        let wide = params.first().and_then(|p| p.1.scalar()).is_some_and(|of| of.bits() == 64);
+        if wide && name.name.starts_with("atomic") && !self.language.since(builtin::WIDE_ATOMICS) {
+            let text = &name.name;
+            self.lacks(message!("`{text}` on 64 bits", "64 ビットの `{text}` "), builtin::WIDE_ATOMICS, name.span);
         }
     }
 

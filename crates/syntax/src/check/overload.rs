@@ -5,8 +5,15 @@ use super::super::language::{Feature, Language};
 use super::super::types::{Conversions, OpaqueKind, ScalarType, Type};
 
 /// True when the version has this form of a built-in function: those on unsigned integers, on `double`,
-/// and some on integers came later than the function itself.
-pub(super) fn available(name: &str, signature: &Signature, language: &Language, fragment: bool) -> bool {
+/// and some on integers came later than the function itself. Arguments that have a type of an extension need it already,
+/// which is told of the type.
+pub(super) fn available(
+    name: &str,
+    signature: &Signature,
+    given: &[Type],
+    language: &Language,
+    fragment: bool,
+) -> bool {
     if language.is_open() {
         return true;
     }
@@ -20,7 +27,8 @@ pub(super) fn available(name: &str, signature: &Signature, language: &Language, 
     if uses(ScalarType::Double) && !language.has(Feature::Doubles) {
         return false;
     }
-    if SIZED.into_iter().any(|sized| uses(sized) && !builtin::has_scalar(sized, language)) {
+    let has = |of: ScalarType| builtin::has_scalar(of, language) || given.iter().any(|t| t.scalar() == Some(of));
+    if SIZED.into_iter().any(|sized| uses(sized) && !has(sized)) {
         return false;
     }
     if uses(ScalarType::Uint) && !language.has(Feature::UnsignedIntegers) {
@@ -44,9 +52,6 @@ pub(super) fn available(name: &str, signature: &Signature, language: &Language, 
         // With a scope, the kind of memory and its order.
         "memoryBarrier" if signature.params.len() > 1 => language.enabled("KHR_memory_scope_semantics"),
         _ if name.starts_with("atomic") && signature.params.len() > 4 => language.enabled("KHR_memory_scope_semantics"),
-        _ if name.starts_with("atomic") && first.is_some_and(|of| of.bits() == 64) => {
-            language.enabled("EXT_shader_atomic_int64") || language.enabled("NV_shader_atomic_int64")
-        }
         "outerProduct" | "transpose" | "matrixCompMult" => {
             !language.es() || language.number() >= 300 || square(signature)
         }

@@ -352,6 +352,14 @@ fn hints_of_control_flow_are_passed_over() {
     one(Stage::Fragment, &shader("", "[[unroll]]"), "V010 `[[unroll]]` needs `GL_EXT_control_flow_attributes`");
 }
 
+#[test]
+fn atomic_functions_on_64_bits_need_an_extension_of_their_own() {
+    let stated = "#version 450\nlayout(local_size_x = 8) in;\nlayout(std430) buffer B { uint64_t a[]; };\n\
+        void main() { atomicAdd(a[0], 1ul); }\n";
+    let told: Vec<String> = parse(stated, Stage::Compute).diagnostics.iter().map(|d| d.message.to_string()).collect();
+    assert!(told.contains(&"`atomicAdd` on 64 bits needs `GL_EXT_shader_atomic_int64`".to_owned()), "{told:?}");
+}
+
 /// What is told of a compute shader for Vulkan with these lines and this body.
 fn vulkan(head: &str, body: &str) -> Vec<String> {
     let extensions = "#extension GL_EXT_buffer_reference : require\n#extension GL_EXT_nonuniform_qualifier : require\n\
