@@ -50,7 +50,7 @@ impl Checker<'_> {
         match &expr.kind {
             ExprKind::Literal(_) | ExprKind::Error => true,
             ExprKind::Name(_) => match self.out.names[id.index()] {
-                Some(symbol) => self.is_constant_symbol(symbol),
+                Some(symbol) => self.is_constant_symbol(symbol) || self.is_written_out(expr.span, symbol),
                 // It has been told that it is unknown.
                 None => true,
             },
@@ -89,6 +89,27 @@ impl Checker<'_> {
             | ExprKind::Binary { .. }
             | ExprKind::Ternary { .. }
             | ExprKind::List(_) => all(),
+        }
+    }
+
+    /// True for the counter of a loop that three.js writes out before it compiles the text, where it alone is an index: each
+    /// `[ i ]` becomes a number then, and nothing else (`unrollLoops` of its `WebGLProgram`).
+    fn is_written_out(&self, place: Span, counter: super::super::symbols::SymbolId) -> bool {
+        let text = self.sink.file.text();
+        let (Some(before), Some(after)) = (text.get(..place.start), text.get(place.end..)) else { return false };
+        let is_index = before.trim_end().ends_with('[') && after.trim_start().starts_with(']');
+        let Some(declared) = self.out.symbols[counter.index()].span.filter(|_| is_index) else { return false };
+        let mut head = text.get(..declared.start).unwrap_or("");
+        for word in ["int", "(", "for"] {
+            let Some(rest) = head.trim_end().strip_suffix(word) else { return false };
+            head = rest;
+        }
+        let line = head.trim_end().rsplit('\n').next().unwrap_or("");
+        let mut words = line.split_whitespace();
+        match (words.next(), words.next(), words.next()) {
+            (Some("#pragma"), Some("unroll_loop"), None) => true,
+            (Some("#pragma"), Some("unroll_loop_start"), None) => after.contains("#pragma unroll_loop_end"),
+            _ => false,
         }
     }
 

@@ -360,6 +360,29 @@ fn atomic_functions_on_64_bits_need_an_extension_of_their_own() {
     assert!(told.contains(&"`atomicAdd` on 64 bits needs `GL_EXT_shader_atomic_int64`".to_owned()), "{told:?}");
 }
 
+#[test]
+fn a_loop_that_is_written_out_in_the_text_has_constant_indices() {
+    let shader = |open: &str, index: &str, close: &str| {
+        format!(
+            "#version 300 es\nprecision highp float;\n#define NUM 4\nuniform sampler2D maps[NUM];\nin vec2 uv;\n\
+             out vec4 c;\nvoid main() {{\n  c = vec4(0.0);\n{open}\n  for ( int i = 0; i < NUM; i ++ ) {{\n    \
+             c += texture( maps[ {index} ], uv );\n  }}\n{close}\n}}\n"
+        )
+    };
+    let varies = "V002 an index that varies into samplers needs GLSL ES 3.20 or `GL_EXT_gpu_shader5`";
+    clean(&shader("#pragma unroll_loop_start", "i", "#pragma unroll_loop_end"), Stage::Fragment);
+    clean(&shader("#pragma unroll_loop", "i", ""), Stage::Fragment);
+    for (open, index, close) in [
+        ("", "i", ""),
+        ("#pragma unroll_loop_start", "i", ""),
+        ("#pragma unroll_loop_start", "i + 1", "#pragma unroll_loop_end"),
+        ("#pragma unroll_loop_end", "i", "#pragma unroll_loop_start"),
+        ("#pragma unroll_loop_start\nfor (int j = 0; j < 2; j++)", "i", "#pragma unroll_loop_end"),
+    ] {
+        one(Stage::Fragment, &shader(open, index, close), varies);
+    }
+}
+
 /// What is told of a compute shader for Vulkan with these lines and this body.
 fn vulkan(head: &str, body: &str) -> Vec<String> {
     let extensions = "#extension GL_EXT_buffer_reference : require\n#extension GL_EXT_nonuniform_qualifier : require\n\
