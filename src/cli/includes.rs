@@ -299,11 +299,16 @@ impl IncludedText {
     /// The same with what stands for declarations, and values of constants, that a text in WGSL lacks. A slip stays an error.
     fn with_declarations(mut self, defines: &[(String, String)]) -> Self {
         let Some(joined) = &mut self.joined else { return self };
-        let unknown = joined.unknown_names();
+        let mut slips = joined.unknown_names();
         self.completed.declared = joined.complete();
         if !self.completed.declared.is_empty() {
-            let made_up = &self.made_up;
-            self.slips = unknown.into_iter().filter(|error| is_slip(error, made_up)).collect();
+            slips.retain(|error| is_slip(error, &self.made_up));
+            // What stands around a piece declares names that are like those of the piece.
+            let shader = (!slips.is_empty()).then(|| Shader::parse_wgsl(&self.file).shader);
+            if let Some(piece) = shader.filter(|s| s.wgsl().is_none_or(|module| module.entry_points.is_empty())) {
+                slips.retain(|error| !reading::open::resembles_global(&piece, error));
+            }
+            self.slips = slips;
         }
         if Written::of(&self.file) == Written::Wgsl
             && let Ok(text) = joined.module()

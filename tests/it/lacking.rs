@@ -347,8 +347,18 @@ fn a_name_in_a_declaration_is_no_slip_of_what_it_declares() {
     };
     let ran = fuzz("block.wgsl", &text("BLOCK_SIZE"), "");
     assert!(!ran.out.contains("is not declared"), "{ran:?}");
-    let ran = fuzz("block.wgsl", &format!("const BLOCK_SIZES = 64u;\n{}", text("BLOCK_SIZE")), "").expect(1);
+    // What is around a piece may be called like what it declares; a whole module has nothing around it.
+    let near = format!("const BLOCK_SIZES = 64u;\n{}", text("BLOCK_SIZE"));
+    let ran = fuzz("block.wgsl", &near, "").expect(0);
+    assert!(!ran.out.contains("is not declared") && ran.err.contains("`BLOCK_SIZE`"), "{ran:?}");
+    let kernel = "@group(0) @binding(0) var<storage, read_write> o: array<u32, 8>;\n\
+        @compute @workgroup_size(8) fn main(@builtin(local_invocation_index) i: u32) { o[i] = f(i); }\n";
+    let ran = fuzz("block.wgsl", &format!("{near}{kernel}"), "").expect(1);
     assert!(ran.out.contains("did you mean `BLOCK_SIZES`?"), "{ran:?}");
+    // No text around a function declares what is in it.
+    let local = "fn f(n: vec3f) -> vec3f { let tangent = n.yzx; return tangnet * strength; }\n";
+    let ran = fuzz("local.wgsl", local, "").expect(1);
+    assert!(ran.out.contains("did you mean `tangent`?"), "{ran:?}");
 }
 
 #[test]

@@ -10,6 +10,7 @@ use base::diagnostic::{Code, Diagnostic, Severity};
 use base::text::SourceFile;
 use syntax::ast::{ExprKind, ItemKind};
 use syntax::errors::Around;
+use syntax::symbols::SymbolKind;
 use syntax::types::Type;
 use syntax::wgsl::Module;
 use syntax::{BuiltinFunction, Profile, Shader, Stage, Token, TokenKind, TokenPlace, Version, errors, is_macro};
@@ -20,12 +21,12 @@ use super::project::{Project, ShaderFile};
 use super::slip;
 use hosts::{HostFile, marks};
 
-/// Those of the errors of a text that its host may take away. `stated` is what the host is known to add nothing to.
-pub fn doubtful(shader: &Shader, found: &[Diagnostic], stated: Around) -> Vec<bool> {
 mod replaced;
 
 pub use replaced::{is_at_replaced_word, replaced_words, with_replaced_comments};
 
+/// Those of the errors of a text that its host may take away. `stated` is what the host is known to add nothing to.
+pub fn doubtful(shader: &Shader, found: &[Diagnostic], stated: Around) -> Vec<bool> {
     if found.is_empty() {
         return Vec::new();
     }
@@ -94,16 +95,16 @@ fn of(shader: &Shader, asked: &BTreeSet<String>, found: &[Diagnostic]) -> Around
     let many = asked.len() > conditions::MOST_ASKED;
     // Two of them are of two shaders, of which one file has the texts.
     let again = |d: &Diagnostic| d.code == errors::REDEFINITION && file.slice(d.span) == "main";
-    let when = |open: bool, what: Around| if open { what } else { Around::empty() };
-    // Anyone may define a macro that nothing in the text defines.
     // Who has to put a version in front of the extensions that a text needs puts these there as well.
     let late = |d: &Diagnostic| d.code == errors::EXTENSION && syntax::needs_stated_version(file.slice(d.span));
+    let when = |open: bool, what: Around| if open { what } else { Around::empty() };
+    // Anyone may define a macro that nothing in the text defines.
     Around::VALUES
         // Who puts a version in front may put more there.
         | when(!versioned, Around::NAMES)
+        | when(!versioned && found.iter().any(late), Around::ENABLED)
         | when(unknown_stage, Around::STAGE)
         | when(joined, Around::NAMES | Around::ENABLED | Around::MACROS)
-        | when(!versioned && found.iter().any(late), Around::ENABLED)
         | when(rewritten, Around::GRAMMAR)
         | when(extended, Around::NAMES | Around::TYPES)
         // Of what depends on many names, each of them alone says little.
@@ -129,6 +130,8 @@ pub struct Surroundings<'a> {
     open: Around,
     /// A file that it includes is not there.
     lacks_file: bool,
+    /// It lacks names of which none that it has was meant.
+    lacks_names: bool,
 }
 
 impl<'a> Surroundings<'a> {
@@ -136,15 +139,18 @@ impl<'a> Surroundings<'a> {
     pub fn new(shader: &'a Shader, conditions: &'a Conditions, found: &[Diagnostic]) -> Self {
         let mut asked = conditions.undefined(true);
         asked.retain(|name| !shader.defines().iter().any(|(own, _)| own == name));
-        let lacks_file = found.iter().any(|d| d.code == errors::INCLUDE);
-        Self { shader, conditions, open: of(shader, &asked, found), asked, lacks_file }
+        Self::with(shader, conditions, found, asked)
     }
 
     /// Those of a text that is in order whatever its host defines: as it stands, and so far as it is read otherwise.
     pub fn of_whole(shader: &'a Shader, conditions: &'a Conditions, found: &[Diagnostic]) -> Self {
-        let asked = BTreeSet::new();
+        Self::with(shader, conditions, found, BTreeSet::new())
+    }
+
+    fn with(shader: &'a Shader, conditions: &'a Conditions, found: &[Diagnostic], asked: BTreeSet<String>) -> Self {
         let lacks_file = found.iter().any(|d| d.code == errors::INCLUDE);
-        Self { shader, conditions, open: of(shader, &asked, found), asked, lacks_file }
+        let lacks_names = found.iter().any(|d| rests(d).contains(Around::NAMES | Around::VALUES) && !is_slip(d));
+        Self { shader, conditions, open: of(shader, &asked, found), asked, lacks_file, lacks_names }
     }
 
     /// True for an error that rests on something open, or on anything of `more`; what stands in a macro aside.
@@ -159,8 +165,10 @@ impl<'a> Surroundings<'a> {
         if slip::is_plain(self.shader, error) {
             rests.remove(Around::GRAMMAR | Around::VALUES | Around::WHOLE);
         }
-        // Where more than the version is stated elsewhere, so may a name be.
-        if is_slip(error) && !self.open.contains(Around::ENABLED) {
+        // Where more than the version is stated elsewhere, so may a name be; and where other names are, so may one that is like
+        // another.
+        let like_others = || self.lacks_names && resembles_global(self.shader, error);
+        if is_slip(error) && !self.open.contains(Around::ENABLED) && !like_others() {
             rests.remove(Around::NAMES);
         }
         if errors::is_name(error.code) || !self.is_at_macro(error) {
@@ -255,6 +263,17 @@ pub fn is_slip(error: &Diagnostic) -> bool {
     };
     let quoted = || error.file.text().contains(&format!("\"{word}\""));
     errors::is_name(error.code) && error.help.is_some() && (!error.related.is_empty() || once()) && !quoted()
+}
+
+/// True for a name that is like one which the text declares at file scope. What stands around an open text declares names there
+/// as well, and calls them alike: `lightColor` beside `lightColors`.
+pub fn resembles_global(shader: &Shader, error: &Diagnostic) -> bool {
+    let Some(meant) = error.help.as_deref().and_then(|help| help.split('`').nth(1)) else { return false };
+    let mut symbols = shader.symbols().map(|(_, symbol)| symbol).filter(|symbol| symbol.name == meant).peekable();
+    if symbols.peek().is_none() {
+        return shader.functions().any(|(_, function)| function.name.name == meant);
+    }
+    symbols.all(|s| matches!(s.kind, SymbolKind::Global(_) | SymbolKind::BlockMember(_) | SymbolKind::BlockInstance(_)))
 }
 
 /// True for an error that is none where a name stands for something else: another function, or one more of them.

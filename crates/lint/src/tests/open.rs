@@ -376,6 +376,10 @@ fn a_name_in_a_text_without_a_version_is_told_where_it_is_a_slip() {
     let text = |name: &str| format!("varying vec3 normal;\nvoid main() {{ gl_FragColor = vec4({name}, 1.0); }}\n");
     only_on_request(&[("a.frag", &text("sceneTint"))], "E020");
     by_default(&[("a.frag", &text("normol"))], "E020");
+    // Who puts other names in front puts those there that are like one of the text.
+    only_on_request(&[("a.frag", &text("normals * sceneTint"))], "E020");
+    let local = text("tangnet * sceneTint").replace("gl_FragColor", "vec3 tangent = normal.yzx; gl_FragColor");
+    by_default(&[("a.frag", &local)], "E020");
     // A slip happens once; what stands further down is meant however often.
     only_on_request(&[("a.frag", &text("normol * normol"))], "E020");
     let below =
