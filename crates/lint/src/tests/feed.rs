@@ -162,6 +162,30 @@ fn the_values_of_an_object_are_held_against_its_shaders() {
 }
 
 #[test]
+fn what_a_library_gives_every_program_needs_no_value() {
+    let code = |class: &str, name: &str| {
+        let vertex = "attribute vec3 position;\nuniform mat4 projectionMatrix;\nuniform mat4 modelViewMatrix;\n\
+            void main() { gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }\n";
+        let fragment = format!(
+            "precision mediump float;\nuniform vec3 {name};\nuniform float gain;\n\
+             void main() {{ gl_FragColor = vec4({name} * gain, 1.0); }}\n"
+        );
+        format!(
+            "const vs = `{vertex}`;\nconst fs = `{fragment}`;\n\
+             export default new {class}({{ uniforms: {{ gain: 1 }}, vertexShader: vs, fragmentShader: fs }});\n"
+        )
+    };
+    let found = |class: &str, name: &str| reported(&[("a.js", &code(class, name))]);
+    assert_eq!(found("THREE.RawShaderMaterial", "cameraPosition"), [""; 0]);
+    assert_eq!(found("THREE.RawShaderMaterial", "lampPosition"), ["H040 uniforms"]);
+    assert_eq!(found("Effect", "cameraPosition"), ["H040 uniforms"], "another library does not know it");
+    // The other stage shows whose text stands in front.
+    let other = code("Effect", "cameraPosition");
+    let declared = "attribute vec3 position;\nuniform mat4 projectionMatrix;\nuniform mat4 modelViewMatrix;\n";
+    assert_eq!(reported(&[("a.js", &other.replace(declared, ""))]), [""; 0]);
+}
+
+#[test]
 fn arrays_of_python_are_held_against_the_attributes() {
     let file = |code: &str| {
         format!(

@@ -136,6 +136,13 @@ pub fn around(text: &Literal, stage: Stage, wanted: Wanted) -> Option<Between> {
     Some(Between { front: Span::new(at, at + front.len()), behind, literal, prelude, whole })
 }
 
+/// True for a uniform to which a host gives a value in every program, also in one that declares it by itself. The host is `known`
+/// to put its text around a shader of the program, or host code `says` a word that tells it.
+pub fn sets(name: &str, known: Option<&'static Prelude>, says: impl Fn(&str) -> bool) -> bool {
+    let mut hosts = PRELUDES.iter().filter_map(|prelude| Some((prelude, prelude.header("host")?)));
+    hosts.any(|(prelude, word)| prelude.has_uniform(name) && (known == Some(prelude) || says(word)))
+}
+
 /// A file with what its host puts around it, for commands that run it; itself where nothing does.
 ///
 /// The stage is that of a fragment shader where what stands behind a library makes one of it.
@@ -167,6 +174,14 @@ impl Prelude {
     fn header(&self, key: &str) -> Option<&'static str> {
         let mut headers = self.data.lines().map_while(|l| l.strip_prefix("//! "));
         headers.find_map(|l| l.split_once(": ").filter(|(k, _)| *k == key).map(|(_, value)| value))
+    }
+
+    /// True for a uniform that its text declares, or that it sets beside these.
+    fn has_uniform(&self, name: &str) -> bool {
+        let declared = self.data.lines().filter_map(|line| line.strip_prefix("uniform ")?.strip_suffix(';'));
+        let mut declared = declared.filter_map(|line| line.split_whitespace().last());
+        let beside = self.header("sets").unwrap_or("");
+        declared.any(|one| one == name) || beside.split_whitespace().any(|one| one == name)
     }
 
     /// True when all that it has is for fragment shaders.

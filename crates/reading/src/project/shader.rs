@@ -12,7 +12,7 @@ use syntax::{Parsed, Shader, Stage, TokenPlace, errors};
 use super::{Input, KnownHosts, Project, template};
 use crate::Level;
 use crate::composed::Composed;
-use crate::prelude::{self, Between, Wanted};
+use crate::prelude::{self, Between, Prelude, Wanted};
 use crate::{conditions, dialect, es, open};
 use analysis::flow::Flow;
 use analysis::range::Observed;
@@ -67,6 +67,8 @@ pub struct ShaderFile {
     pub(super) taken: Vec<Span>,
     /// What a host puts around it is taken from the looks of the text: it may be another host.
     host_is_guessed: bool,
+    /// What its host puts around it.
+    pub prelude: Option<&'static Prelude>,
     /// A script puts it together of templates.
     pub(super) put_together: bool,
     /// What another reader of the language says of the text.
@@ -174,6 +176,7 @@ impl ShaderFile {
             refused: Vec::new(),
             taken: Vec::new(),
             host_is_guessed: false,
+            prelude: None,
             put_together: false,
             observed: Mutex::default(),
             flow: Mutex::default(),
@@ -275,6 +278,7 @@ impl ShaderFile {
         let of_fragments = stage == Stage::Library && !behind.is_empty();
         let mut shader = Self::read_as(&text, if of_fragments { Stage::Fragment } else { stage }, es);
         shader.around = [front, behind];
+        shader.prelude = Some(prelude);
         shader.front_end.retain(|d| !front.contains(d.span.start) && !behind.contains(d.span.start));
         if matches!(wanted, Wanted::Recognised | Wanted::RecognisedOr(_)) {
             // Other parts of the text declare names, textures may have other types, and a name that is declared again, or that

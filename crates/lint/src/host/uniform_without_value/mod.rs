@@ -8,6 +8,7 @@ use hosts::HostFile;
 use hosts::marks::has_word;
 use hosts::suggest::{list, list_in_japanese};
 use reading::Project;
+use reading::prelude::{self, Prelude};
 use reading::program::Program;
 use reading::program::resolve;
 
@@ -33,7 +34,8 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
             if !used || shader.is_in_front(uniform.name_span) || table.names.contains(name) || !told.insert(name) {
                 continue;
             }
-            if project.hosts().any(|h| mentions(h, name)) {
+            let says = |word: &str| project.hosts().any(|h| h.file.text().contains(word));
+            if project.hosts().any(|h| mentions(h, name)) || prelude::sets(name, host_of(&program), says) {
                 continue;
             }
             let names: Vec<&str> = table.names.iter().map(String::as_str).collect();
@@ -54,6 +56,11 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
             findings.push_at(if table.nested { Level::Strict } else { RULE.level }, found);
         }
     }
+}
+
+/// The host that is known to put its text around one of the stages.
+fn host_of(program: &Program<'_>) -> Option<&'static Prelude> {
+    program.shaders().iter().find_map(|shader| shader.prelude)
 }
 
 /// True when host code says the name outside of its shaders: it may set it.

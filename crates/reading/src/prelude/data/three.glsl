@@ -1,6 +1,8 @@
 //! title: three.js: ShaderMaterial, which declares matrices and attributes
 //! uses: projectionMatrix modelViewMatrix modelMatrix viewMatrix normalMatrix cameraPosition isOrthographic
 //! without: #include
+//! host: ShaderMaterial
+//! sets: toneMappingExposure logDepthBufFC receiveShadow bindMatrix bindMatrixInverse boneTexture morphTargetBaseInfluence morphTargetInfluences
 --- both
 precision highp float;
 precision highp int;
