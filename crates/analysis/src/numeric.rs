@@ -83,6 +83,15 @@ pub fn constant(shader: &Shader, id: ExprId) -> Option<f64> {
     shader.fold(id).and_then(syntax::Const::as_f64)
 }
 
+/// The bits of a constant whole number of 32 bits.
+pub fn bits(shader: &Shader, id: ExprId) -> Option<u32> {
+    match shader.fold(id)? {
+        syntax::Const::Int(value) => Some(value.cast_unsigned()),
+        syntax::Const::Uint(value) => Some(value),
+        _ => None,
+    }
+}
+
 /// True for a number as it is written, with a sign in front or without.
 pub fn is_literal(shader: &Shader, id: ExprId) -> bool {
     match &shader.expr(id).kind {

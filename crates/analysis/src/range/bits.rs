@@ -1,12 +1,13 @@
 //! Numbers that are put together from bits.
 
+use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
 use syntax::symbols::CallTarget;
 use syntax::types::Type;
-use syntax::{Const, Shader};
 
 use super::start::{unknown_of, within};
 use super::value::{Evidence, Sources, Value};
+use crate::numeric::bits;
 
 /// The sign, exponent and mantissa of 1 in binary32.
 const ONE: u32 = 0x3f80_0000;
@@ -26,14 +27,6 @@ pub fn taken(shader: &Shader, ty: &Type, args: &[ExprId], sources: Sources) -> V
             within(ty, 1.0, 2.0 - f64::from(f32::EPSILON), Evidence::Nature, sources)
         }
         _ => unknown_of(ty, sources),
-    }
-}
-
-fn bits(shader: &Shader, id: ExprId) -> Option<u32> {
-    match shader.fold(id)? {
-        Const::Int(value) => Some(value.cast_unsigned()),
-        Const::Uint(value) => Some(value),
-        _ => None,
     }
 }
 

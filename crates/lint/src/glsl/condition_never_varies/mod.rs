@@ -1,11 +1,13 @@
-//! T031: comparisons of one value that decide each other.
+//! T031: comparisons of one value that decide each other, and comparisons that what is compared decides.
+
+mod masked;
 
 use std::cmp::Ordering;
 use std::collections::HashSet;
 
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use analysis::range::key;
-use base::diagnostic::{Code, Severity, message};
+use base::diagnostic::{Code, Message, Severity, message};
 use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind, UnaryOp};
@@ -155,6 +157,45 @@ fn of_unsigned(shader: &Shader, id: ExprId) -> Option<bool> {
     }
 }
 
+/// Label, reason and help, in English and Japanese.
+type Reason = [(&'static str, &'static str); 3];
+
+const BOUNDS: Reason = [
+    ("decided by the bounds", "境界だけで決まる"),
+    (
+        "the ranges that the two comparisons leave cover everything, or have nothing in common",
+        "二つの比較の範囲を合わせると全体になるか、共通部分がありません",
+    ),
+    (
+        "look at `&&` and `||`, `any` and `all`, and the order of the bounds",
+        "`&&` と `||`、`any` と `all`、境界の順序を確かめてください",
+    ),
+];
+
+const UNSIGNED: Reason = [
+    ("an unsigned number is never below 0", "符号なしの数は 0 を下回らない"),
+    (
+        "what would be negative wraps to a large number, and passes the test",
+        "負になるはずの値は大きな数に回り込み、この判定では分かりません",
+    ),
+    (
+        "compare before subtracting (`a >= b` for `a - b >= 0`), or compute with signed numbers",
+        "引く前に比べるか（`a - b >= 0` なら `a >= b`）、符号付きの数で計算してください",
+    ),
+];
+
+const MASK: Reason = [
+    ("the mask decides it", "マスクだけで決まる"),
+    (
+        "`&` leaves only bits of its mask, and `|` sets all of them: the constant has another bit",
+        "`&` はマスクのビットだけを残し、`|` はマスクのビットを全て立てますが、定数はそれと異なるビットを持ちます",
+    ),
+    (
+        "compare with a value that the mask leaves, such as the mask itself or 0",
+        "マスク自身や 0 など、マスクを通した後に取りうる値と比べてください",
+    ),
+];
+
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     let shader = &file.shader;
     let negated: HashSet<ExprId> = shader
@@ -169,38 +210,17 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         if negated.contains(&id) && is_number(shader, id) {
             continue;
         }
-        let unsigned = of_unsigned(shader, id);
-        let Some(always) = decided(shader, id).or(unsigned).filter(|_| !expr.from_macro) else { continue };
+        let by_mask = masked::decided(shader, id).map(|always| (always, MASK));
+        let of_unsigned = || of_unsigned(shader, id).map(|always| (always, UNSIGNED));
+        let by_bounds = || decided(shader, id).map(|always| (always, BOUNDS));
+        let found = by_bounds().or_else(of_unsigned).or(by_mask).filter(|_| !expr.from_macro);
+        let Some((always, reason)) = found else { continue };
         let message = if always {
             message!("this condition is always true", "この条件は常に真です")
         } else {
             message!("this condition is never true", "この条件は決して真になりません")
         };
-        let (label, why, help) = if unsigned.is_some() {
-            (
-                message!("an unsigned number is never below 0", "符号なしの数は 0 を下回らない"),
-                message!(
-                    "what would be negative wraps to a large number, and passes the test",
-                    "負になるはずの値は大きな数に回り込み、この判定では分かりません"
-                ),
-                message!(
-                    "compare before subtracting (`a >= b` for `a - b >= 0`), or compute with signed numbers",
-                    "引く前に比べるか（`a - b >= 0` なら `a >= b`）、符号付きの数で計算してください"
-                ),
-            )
-        } else {
-            (
-                message!("decided by the bounds", "境界だけで決まる"),
-                message!(
-                    "the ranges that the two comparisons leave cover everything, or have nothing in common",
-                    "二つの比較の範囲を合わせると全体になるか、共通部分がありません"
-                ),
-                message!(
-                    "look at `&&` and `||`, `any` and `all`, and the order of the bounds",
-                    "`&&` と `||`、`any` と `all`、境界の順序を確かめてください"
-                ),
-            )
-        };
+        let [label, why, help] = reason.map(|(en, ja)| Message::new(en, ja));
         findings.push(findings.at(&file.file, expr.span, message).with_label(label).with_why(why).with_help(help));
     }
 }
@@ -235,6 +255,50 @@ mod tests {
         assert_eq!(wgsl("i >= n && i < 4 * n"), 0);
         assert_eq!(wgsl("all(v >= vec2f(0.0)) && all(v <= vec2f(1.0))"), 0);
         assert_eq!(wgsl("any(v < vec2f(0.0)) || any(v > vec2f(1.0))"), 0);
+    }
+
+    #[test]
+    fn a_mask_that_decides_is_reported() {
+        let glsl = |line: &str| {
+            let text = format!(
+                "#version 450\nlayout(constant_id = 0) const uint SPEC = 2u;\nconst uint FOLLOWS = SPEC + 1u;\nconst uint BIT = 4u;\n\
+                 layout(location = 0) flat in uint m;\nlayout(location = 1) flat in int i;\n\
+                 layout(location = 0) out vec4 c;\nvoid main() {{ c = vec4({line} ? 1.0 : 0.0); }}\n"
+            );
+            let found = crate::run(&[crate::Input::new(base::text::SourceFile::new("a.frag", text))]);
+            found.iter().filter(|d| d.code.0 == "T031").count()
+        };
+        let wgsl = |line: &str| {
+            let text = format!(
+                "override SPEC = 2u;\noverride FOLLOWS = SPEC + 1u;\nconst BIT = 4u;\nfn f(m: u32, i: i32) -> bool {{ return {line}; }}"
+            );
+            crate::wgsl::testing::count("T031", &text)
+        };
+        for count in [&glsl as &dyn Fn(&str) -> usize, &wgsl] {
+            let wrong = [
+                "(m & 4u) != 1u",
+                "(i & 2) == 1",
+                "1 == (2 & i)",
+                "(m & BIT) == 2u",
+                "(m | 4u) == 3u",
+                "(i & 1) == -1",
+                "(m & BIT) == BIT + 1u",
+            ];
+            wrong.iter().for_each(|line| assert_eq!(count(line), 1, "{line}"));
+            let right = [
+                "(m & 4u) == 4u",
+                "(i & 5) != 1",
+                "(m & 4u) != 0u",
+                "(i & -2) == -4",
+                "(m | 4u) == 7u",
+                "(m & SPEC) == 1u",
+                "(m & FOLLOWS) == 4u",
+                "(m & (BIT - 4u)) == 1u",
+                "(m ^ 4u) == 1u",
+                "(m & 6u) >= 1u",
+            ];
+            right.iter().for_each(|line| assert_eq!(count(line), 0, "{line}"));
+        }
     }
 
     #[test]
