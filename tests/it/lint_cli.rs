@@ -165,6 +165,21 @@ fn rules_see_what_a_shader_includes_and_tell_each_file_its_own() {
 }
 
 #[test]
+fn a_slip_in_a_directive_of_a_module_is_told() {
+    let module = |other: &str, end: &str| {
+        format!(
+            "@group(0) @binding(0) var<storage, read_write> o: array<f32>;\n#ifdef WIDE\nconst N = 4.0;\n{other}\n\
+             const N = 2.0;\n{end}\n@compute @workgroup_size(8) fn main(@builtin(global_invocation_id) id: vec3u) {{\n  \
+             if (id.x < arrayLength(&o)) {{\n#ifdef LOW\n    o[id.x] = 0.5;\n#endif\n    o[id.x] += N;\n  }}\n}}\n"
+        )
+    };
+    let found = |text: &str| lint(folder(&[("a.wgsl", text)]).path(), "a.wgsl --format concise").out;
+    assert!(found(&module("#els", "#endif")).starts_with("a.wgsl:4:2: error[E010]"));
+    assert!(found(&module("#else", "#endifx")).starts_with("a.wgsl:6:2: error[E010]"));
+    assert_eq!(found(&module("#else", "#endif")), "");
+}
+
+#[test]
 fn a_wrong_configuration_is_reported_with_its_place() {
     let folder = folder(&[("a.vert", LITERAL), ("shadercheck.toml", "[lint]\nselct = [\"N\"]\nlevel = \"strikt\"\n")]);
     let ran = lint(folder.path(), "a.vert").expect(2);

@@ -165,6 +165,10 @@ impl<'a> Surroundings<'a> {
         if slip::is_plain(self.shader, error) {
             rests.remove(Around::GRAMMAR | Around::VALUES | Around::WHOLE);
         }
+        // Of a module only those are told that are slips.
+        if error.code == errors::UNKNOWN_DIRECTIVE && self.shader.wgsl().is_some() {
+            rests = Around::empty();
+        }
         // Where more than the version is stated elsewhere, so may a name be; and where other names are, so may one that is like
         // another.
         let like_others = || self.lacks_names && resembles_global(self.shader, error);

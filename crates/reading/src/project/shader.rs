@@ -111,11 +111,15 @@ impl ShaderFile {
         let mut shader = match joined {
             None => Self::read(input, alone),
             Some(Composed { file, refused }) => {
+                // What reads the directives leaves none of them.
+                let slip = |d: &&Diagnostic| d.code == errors::UNKNOWN_DIRECTIVE && file.is_assembled();
+                let slips: Vec<Diagnostic> = alone.diagnostics.iter().filter(slip).cloned().collect();
                 // A text that nothing was joined to is read already.
                 let parsed = if file.is_assembled() { Shader::parse_wgsl(&file) } else { alone };
                 let Parsed { shader, diagnostics } = parsed;
                 let shader = if varies { shader.varying() } else { shader };
                 let mut shader = Self::read(input, Parsed { shader, diagnostics });
+                shader.front_end.extend(slips);
                 shader.author = shader.file.is_assembled().then(|| input.file.clone());
                 // Names are told as those of GLSL are: what stands around the text may declare them.
                 let (names, refused): (Vec<_>, Vec<_>) =
@@ -133,8 +137,9 @@ impl ShaderFile {
                 }
                 if varies {
                     // The host may state other features, and no other language.
+                    let holds = [errors::OTHER_LANGUAGE, errors::UNKNOWN_DIRECTIVE];
                     let (sure, asked) =
-                        shader.front_end.into_iter().partition(|d: &Diagnostic| d.code == errors::OTHER_LANGUAGE);
+                        shader.front_end.into_iter().partition(|d: &Diagnostic| holds.contains(&d.code));
                     (shader.front_end, shader.on_request) = (sure, asked);
                     shader.refused.iter_mut().for_each(|(level, _)| *level = Level::Strict);
                 }

@@ -54,6 +54,8 @@ pub(super) struct Pieces {
     /// All tokens.
     pub all: Vec<Token>,
     pub comments: Vec<Comment>,
+    /// The words behind the `#` of directives.
+    pub directives: Vec<Span>,
     /// True when lines that begin with `#`, or marks of templates, say that an engine makes the text.
     pub composed: bool,
     /// True when an engine leaves parts of the text out or fills them in.
@@ -99,7 +101,11 @@ pub(super) fn read(text: &str) -> Pieces {
             }
             Ok(Lex::Hash) if at_start => {
                 (directive, braces, pieces.composed) = (true, 0, true);
-                let line = lexer.remainder().lines().next().unwrap_or("").trim_start();
+                let line = lexer.remainder().lines().next().unwrap_or("");
+                let start = span.end + (line.len() - line.trim_start().len());
+                let line = line.trim_start();
+                let word = line.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(line.len());
+                pieces.directives.push(Span::new(start, start + word));
                 let is = |word: &str| line.starts_with(word);
                 pieces.filled |= is("include");
                 pieces.varies |= ["if", "for"].iter().any(|w| is(w));

@@ -5,6 +5,7 @@
 mod body;
 mod builtin;
 mod check;
+mod directive;
 mod expression;
 mod layout;
 mod lexer;
@@ -117,6 +118,7 @@ pub fn tokens(text: &str) -> Vec<Token> {
 pub(super) fn read(file: &SourceFile) -> super::Parsed {
     let mut sink = Sink::new(file);
     let pieces = lexer::read(file.text());
+    directive::tell_slips(&pieces.directives, &mut sink);
     // A literal beside a name that is filled in may be a part of one.
     let filled = pieces.filled || file.text().contains("#{");
     let mut tokens = pieces.active.as_slice();
