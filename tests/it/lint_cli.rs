@@ -180,6 +180,42 @@ fn a_slip_in_a_directive_of_a_module_is_told() {
 }
 
 #[test]
+fn a_name_that_an_included_file_lacks_is_told_in_it_once() {
+    let root = |head: &str| {
+        format!(
+            "#version 330\n#extension GL_GOOGLE_include_directive : enable\n{head}#include \"lib/tone.glsl\"\n\
+             in vec3 light;\nout vec4 c;\nvoid main() {{ c = vec4(tone(light), 1.0); }}\n"
+        )
+    };
+    let tone = "vec3 tone(vec3 x) { return x * exposure / (x + 1.0); }\n";
+    let found = |files: &[(&str, &str)]| {
+        let folder = folder(&[&[("lib/tone.glsl", tone)], files].concat());
+        lint(folder.path(), ". --format concise").out
+    };
+    let (lacks, has) = (root(""), root("uniform float exposure;\n"));
+    let out = found(&[("a.frag", &lacks), ("b.frag", &lacks)]);
+    assert!(out.starts_with("lib/tone.glsl:1:32: error[E020]") && out.lines().count() == 1, "{out}");
+    // The text that lacks it is named, where others have it.
+    let folder = folder(&[("lib/tone.glsl", tone), ("a.frag", &lacks), ("b.frag", &has)]);
+    let out = lint(folder.path(), ".").out;
+    assert!(out.contains("lib/tone.glsl:1:32") && out.contains("included by `a.frag`"), "{out}");
+    // What stands in front of the directive is a declaration like any other.
+    for head in ["uniform float exposure;\n", "#define exposure 2.0\n", "const float exposure = 2.0;\n"] {
+        assert_eq!(found(&[("a.frag", &root(head))]), "");
+    }
+    // A text that is no whole may have a declaration around it, and host code may put one in front of the file.
+    assert_eq!(
+        found(&[("a.frag", &lacks), ("piece.glsl", "#include \"lib/tone.glsl\"\nvec3 f() { return tone(g); }\n")]),
+        ""
+    );
+    assert_eq!(found(&[("a.frag", &lacks), ("load.js", "const text = declared + load('lib/tone.glsl');\n")]), "");
+    // The text itself is whole as well.
+    let own = has.replace("tone(light)", "tone(light) * gian");
+    let out = found(&[("a.frag", &own)]);
+    assert!(out.starts_with("a.frag:7:") && out.contains("`gian`") && out.lines().count() == 1, "{out}");
+}
+
+#[test]
 fn a_wrong_configuration_is_reported_with_its_place() {
     let folder = folder(&[("a.vert", LITERAL), ("shadercheck.toml", "[lint]\nselct = [\"N\"]\nlevel = \"strikt\"\n")]);
     let ran = lint(folder.path(), "a.vert").expect(2);

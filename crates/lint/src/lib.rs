@@ -32,7 +32,7 @@ use rayon::prelude::*;
 
 use reading::in_front::Fronts;
 use reading::{Project, ShaderFile};
-use reading::{composed, open, options, relocate, variants};
+use reading::{composed, included, open, options, relocate, variants};
 use suppress::Suppressions;
 use syntax::errors::{self, Around};
 
@@ -148,6 +148,7 @@ fn run_rules_until(
         }
         *diagnostic = diagnostic.clone().in_expansion();
     }
+    included::tell_in_included(&project, &mut all);
     composed::to_origin(&project, &mut all);
     composed::to_templates(&project, &mut all);
     composed::add_refused(&project, &mut all, &registry::LET_THROUGH);

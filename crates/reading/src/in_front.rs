@@ -14,6 +14,8 @@ use super::project::{Project, ShaderFile};
 
 /// Words of what may stand in front of the shaders of a project.
 pub struct Fronts {
+    /// Words of pieces, each with the piece where one alone has it.
+    pieces: HashMap<String, Option<String>>,
     words: InFront,
     /// Those of the scripts of pages, which nothing else uses, by the page.
     pages: HashMap<String, InFront>,
@@ -24,10 +26,10 @@ pub struct Fronts {
 impl Fronts {
     /// Words of pieces, and those of texts that host code writes and that are no whole shader.
     pub fn of(project: &Project) -> Self {
-        let mut names = HashSet::new();
-        let mut add = |text: &str| {
+        let (mut pieces, mut names) = (HashMap::new(), HashSet::new());
+        let words = |text: &str| -> Vec<String> {
             let words = text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
-            names.extend(words.filter(|w| w.len() > 1).map(str::to_owned));
+            words.filter(|w| w.len() > 1).map(str::to_owned).collect()
         };
         for (_, shader) in project.shader_files() {
             let is_piece = match shader.shader.wgsl() {
@@ -38,7 +40,12 @@ impl Fronts {
                 let shader = &shader.shader;
                 let code =
                     shader.tokens().iter().filter(|t| t.kind == TokenKind::Word).map(|t| shader.file().slice(t.span));
-                code.for_each(&mut add);
+                for word in code.flat_map(words) {
+                    let piece = pieces.entry(word).or_insert_with(|| Some(shader.file().name().to_owned()));
+                    if piece.as_deref() != Some(shader.file().name()) {
+                        *piece = None;
+                    }
+                }
             }
         }
         let (scripts, hosts): (Vec<&HostFile>, Vec<&HostFile>) = project.hosts().partition(|host| host.is_script());
@@ -47,7 +54,7 @@ impl Fronts {
             for line in host.file.text().split_inclusive('\n') {
                 // What a whole shader in a literal declares is its own.
                 if let Some(text) = written(line).filter(|_| !host.embedded().iter().any(|e| e.place.contains(at))) {
-                    add(text);
+                    names.extend(words(text));
                 }
                 at += line.len();
             }
@@ -62,7 +69,7 @@ impl Fronts {
                 None => words.add(InFront::of(host)),
             }
         }
-        Self { words, pages, renames }
+        Self { pieces, words, pages, renames }
     }
 
     /// True for an error that something in front of a text can take away.
@@ -82,16 +89,21 @@ impl Fronts {
             return true;
         }
         if open::is_about_a_name(error) {
-            return all().any(|words| match words {
-                InFront::Words(words) => words.contains(word),
-                // What is put together goes in front of texts that state no version, and of those of scripts.
-                InFront::Any => host.is_some() || shader.shader.version().span.is_none(),
-            });
+            // A piece that a whole text includes does not declare what is missing in it.
+            let (own, _) = error.file.origin(error.span);
+            let included = (own.name() != error.file.name()).then_some(own.name());
+            let of_piece = self.pieces.get(word).is_some_and(|piece| piece.is_none() || piece.as_deref() != included);
+            return of_piece
+                || all().any(|words| match words {
+                    InFront::Words(words) => words.contains(word),
+                    // What is put together goes in front of texts that state no version, and of those of scripts.
+                    InFront::Any => host.is_some() || shader.shader.version().span.is_none(),
+                });
         }
         if error.code == errors::RESERVED {
             return false;
         }
-        let has = |word: &&str| all().any(|words| words.may_have(word));
+        let has = |word: &&str| self.pieces.contains_key(*word) || all().any(|words| words.may_have(word));
         let states = || ["version", "extension", "precision"].iter().any(has);
         let version = shader.shader.version();
         // Into a file that states its version a precision goes behind that.

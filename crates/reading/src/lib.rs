@@ -10,6 +10,7 @@ mod dialect;
 pub mod es;
 pub mod hlsl;
 pub mod in_front;
+pub mod included;
 mod level;
 mod linked;
 pub mod open;

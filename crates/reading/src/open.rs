@@ -4,6 +4,7 @@
 //! preprocessor, is put together before it is compiled; what an `#if` asks may be set from outside; and a name that
 //! nothing declares may be declared in a piece, or in a text that host code writes.
 
+use std::borrow::Cow;
 use std::collections::{BTreeSet, HashMap, HashSet};
 
 use base::diagnostic::{Code, Diagnostic, Severity};
@@ -498,10 +499,13 @@ const MISSING_NAMES: usize = 2;
 
 /// What the shaders of a project lack together.
 pub fn supplied(project: &Project) -> Supplied {
-    let mut missing: HashMap<&str, HashSet<&str>> = HashMap::new();
+    let mut missing: HashMap<&str, HashSet<Cow<'_, str>>> = HashMap::new();
     for shader in project.shaders() {
         for error in shader.front_end.iter().filter(|d| errors::is_name(d.code) && d.help.is_none()) {
-            missing.entry(error.file.slice(error.span)).or_default().insert(error.file.text());
+            // What several texts take in is one.
+            let included = || error.file.origin(error.span).0.text().to_owned();
+            let text = if error.file.is_assembled() { included().into() } else { error.file.text().into() };
+            missing.entry(error.file.slice(error.span)).or_default().insert(text);
         }
     }
     Supplied(missing.values().filter(|texts| texts.len() >= MISSING_IN).count() >= MISSING_NAMES)

@@ -108,6 +108,12 @@ pub fn may_include(text: &str) -> bool {
     directive_words(CommentStyle::C).iter().any(|word| text.contains(word))
 }
 
+/// True for what stands behind the `#` of a directive that takes a file in.
+pub fn takes_in(behind: &str) -> bool {
+    let word = behind.trim_start();
+    directive_words(CommentStyle::C).iter().any(|taking| word.starts_with(taking))
+}
+
 /// Words behind `#` that take a file in.
 fn directive_words(comments: CommentStyle) -> &'static [&'static str] {
     match comments {

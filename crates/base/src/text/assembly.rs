@@ -1,5 +1,6 @@
 //! Texts put together from parts of files, with the way back to each part.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::{SourceFile, Span};
@@ -76,6 +77,11 @@ impl SourceFile {
         self.parts().is_some()
     }
 
+    /// The files that an assembled text has parts of, each once, by name; none for another text.
+    pub fn sources(&self) -> BTreeMap<&str, &SourceFile> {
+        self.parts().into_iter().flatten().map(|part| (part.file.name(), &part.file)).collect()
+    }
+
     /// The bytes of a file that a span of an assembled text copies; none where it has bytes of something else.
     pub fn copied(&self, span: Span) -> Option<(SourceFile, Span)> {
         let parts = self.parts()?;
@@ -123,6 +129,7 @@ mod tests {
         assert_eq!(place("one"), "a.glsl:1:1");
         assert_eq!(place("anted"), "b.glsl:2:2");
         assert_eq!(place("three"), "a.glsl:3:1");
+        assert_eq!(file.sources().into_keys().collect::<Vec<_>>(), ["a.glsl", "b.glsl"]);
         let at = file.text().find("wanted").unwrap();
         let (origin, span) = file.origin(Span::new(at, at + 6));
         assert_eq!((origin.name(), origin.slice(span)), ("b.glsl", "wanted"));

@@ -13,7 +13,7 @@ use super::{Input, KnownHosts, Project, template};
 use crate::Level;
 use crate::composed::Composed;
 use crate::prelude::{self, Between, Prelude, Wanted};
-use crate::{conditions, dialect, es, open};
+use crate::{conditions, dialect, es, included, open};
 use analysis::flow::Flow;
 use analysis::range::Observed;
 use hosts::Origin;
@@ -242,14 +242,15 @@ impl ShaderFile {
     }
 
     /// A shader with the files that it includes; none where it includes nothing, and where the whole does not hold by itself:
-    /// names that a host defines decide over it.
+    /// names that a host defines decide over it. A text that is whole may lack names.
     fn with_includes(input: &Input, stage: Stage) -> Option<Self> {
         if !syntax::include::may_include(input.file.text()) {
             return None;
         }
         let Composed { file, refused } = input.composer.as_ref()?.join(&input.file)?;
         let parsed = Shader::parse_fitting(&file, stage, &input.defines, false);
-        if !parsed.diagnostics.iter().all(open::leaves_in_order) {
+        let in_order = parsed.diagnostics.iter().all(open::leaves_in_order);
+        if !in_order && !included::lacks_names_alone(&input.file, &parsed) {
             return None;
         }
         let shader = Self::read(&input.with_file(file), parsed);
