@@ -14,6 +14,30 @@ fn both(name: &str, text: &str, arguments: &str) -> [Ran; 2] {
     })
 }
 
+/// What the run has something else for is not translated.
+#[test]
+fn what_no_translation_says_is_refused_by_name() {
+    for (head, x, said) in [
+        ("layout(binding = 0) uniform sampler2D all[];", "texture(all[id], uv).x", "array of samplers"),
+        ("layout(binding = 0) uniform usampler2D own;", "float(texture(own, uv).x)", "`texture` of a `usampler2D`"),
+        (
+            "layout(input_attachment_index = 0, binding = 0) uniform subpassInput own;",
+            "subpassLoad(own).x",
+            "an input attachment",
+        ),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("a.frag"), fragment(head, x).replace("FAULT", "x")).unwrap();
+        let ran = run_in(folder.path(), "translate a.frag --to wgsl");
+        assert!(ran.code != 0 && ran.out.contains(said), "{ran:?}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let samples = fragment("layout(binding = 0) uniform sampler2DMS own;", "texelFetch(own, ivec2(3), 1).x");
+    fs::write(folder.path().join("a.frag"), samples.replace("FAULT", "x")).unwrap();
+    let ran = run_in(folder.path(), "translate a.frag --to wgsl");
+    assert!(ran.code == 0 && ran.out.contains("texture_multisampled_2d<f32>"), "{ran:?}");
+}
+
 /// The first has a finding or a warning, the second none, and both run whole.
 fn told([wrong, right]: &[Ran; 2], what: &str) {
     for ran in [wrong, right] {
@@ -108,8 +132,8 @@ fn names_that_a_host_always_defines_are_found_together() {
     let folder = tempfile::tempdir().unwrap();
     let broken = module.replace("return z;", "return true;").replace("return z + 1.0;", "return true;");
     fs::write(folder.path().join("lib.wgsl"), broken).unwrap();
-    let ran = run_in(folder.path(), "fuzz lib.wgsl --lane embedded --samples 1024");
-    assert!(!ran.out.contains("0 not run"), "{ran:?}");
+    let ran = run_in(folder.path(), "fuzz lib.wgsl --lane embedded --samples 1024").expect(1);
+    assert!(ran.out.contains("1 file does not compile"), "{ran:?}");
 }
 
 #[test]

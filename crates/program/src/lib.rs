@@ -185,6 +185,8 @@ pub struct Program {
     /// For a fragment stage, the module as a host gets it, where what is run differs: it discards, takes
     /// derivatives, or leaves the level of detail to them.
     pub stage_module: Option<Arc<(Module, ModuleInfo)>>,
+    /// What no translation can say, where a run takes something else for it: such a program is run, and not translated.
+    pub untranslatable: Option<Box<Diagnostic>>,
     /// What the harness has no way to feed or read: such a program is translated, and not run.
     pub unfed: Vec<Diagnostic>,
     /// Inputs that are numbers of the draw, with the largest value that is tried where nothing is stated.

@@ -151,6 +151,9 @@ impl Program {
             let inexpressible = |reason| TranslateError::Inexpressible { language, reason };
             return self.in_dialect().map(|edited| Translation::Text(edited.text)).map_err(inexpressible);
         }
+        if let Some(what) = &self.untranslatable {
+            return Err(ProgramError::Source(vec![(**what).clone()]).into());
+        }
         match self.role {
             Role::Vertex | Role::Fragment | Role::Compute => {
                 let host = self.stage_module.as_deref();

@@ -24,6 +24,7 @@ pub mod memory;
 mod names;
 mod number;
 pub mod offered;
+mod opaque;
 mod other_language;
 mod parser;
 pub mod precision;

@@ -17,11 +17,11 @@ fn refused(name: &str, text: &str, at: &str, said: &str) {
 
 #[test]
 fn constructs_without_a_counterpart() {
-    let head = "#version 430\nuniform sampler2D t;\nuniform isampler2D n;\nin vec2 uv;\nout vec4 c;\n";
+    let head = "#version 430\nuniform sampler2D t;\nuniform isamplerCube n;\nin vec2 uv;\nout vec4 c;\n";
     let cases = [
         ("c = vec4(textureQueryLod(t, uv), 0, 0);", "textureQueryLod", "`textureQueryLod`"),
         ("c = vec4(interpolateAtCentroid(uv), 0, 0);", "interpolateAtCentroid", "interpolation at another place"),
-        ("c = vec4(texture(n, uv));", "texture(n", "`texture` of a `isampler2D`"),
+        ("c = vec4(texture(n, uv.xyx));", "texture(n", "`texture` of a `isamplerCube`"),
     ];
     for (body, at, said) in cases {
         refused("t.frag", &format!("{head}void main() {{ {body} }}\n"), at, said);
@@ -71,10 +71,10 @@ fn a_function_that_reads_an_input_of_the_stage_is_not_run_alone() {
 
 #[test]
 fn what_a_fragment_stage_cannot_be_given() {
-    let head = "#version 430\nin vec2 uv;\nout vec4 c;\nuniform sampler2DMS m;\nlayout(rgba8) uniform image2D i;\n\
+    let head = "#version 430\nin vec2 uv;\nout vec4 c;\nuniform sampler2DMSArray m;\nlayout(rgba8) uniform image2D i;\n\
                 float cut(float a) { if (a > 0.5) discard; return a; }\n";
     let cases = [
-        ("c = texelFetch(m, ivec2(uv), 0);", "`m` of type `sampler2DMS` cannot be fed"),
+        ("c = texelFetch(m, ivec3(uv, 0), 0);", "`m` of type `sampler2DMSArray` cannot be fed"),
         ("c = imageLoad(i, ivec2(uv));", "`i` of type `image2D` cannot be fed"),
         ("c = vec4(0); for (int k = 0; k < 3; k++) c += dFdx(uv.xyxy);", "a derivative in a loop cannot be fed"),
         (

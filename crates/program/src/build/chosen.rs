@@ -62,6 +62,8 @@ impl Fun<'_, '_> {
         let chosen = self.cast(chosen.clone(), chosen.ty.scalar().unwrap_or(ScalarType::Int), ScalarType::Uint)?;
         let chosen = match repeats {
             true => {
+                let what = "an array of samplers with a computed index";
+                self.build.stand_for(self.shader.expr(index).span, what, "use numbers as indices")?;
                 let right = self.number(ScalarType::Uint, f64::from(count));
                 self.add(Expression::Binary { op: B::Modulo, left: chosen.e, right })
             }

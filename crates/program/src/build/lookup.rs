@@ -99,8 +99,11 @@ impl Fun<'_, '_> {
             return self.nearest(&lookup, offset);
         }
         if ty.scalar != ScalarType::Float && !gather {
-            let message = format!("`{function}` of a `{ty}`");
-            return Err(self.build.unsupported(span, message, "use `texelFetch`"));
+            self.build.stand_for(span, format!("`{function}` of a `{ty}`"), "use `texelFetch`")?;
+            if matches!(ty.dim, TextureDim::D1 | TextureDim::D2 | TextureDim::D3) {
+                return self.nearest(&lookup, offset);
+            }
+            return Err(self.build.unsupported(span, format!("`{function}` of a `{ty}`"), "use `texelFetch`"));
         }
         if lookup.reference.is_some() && !matches!(level, SampleLevel::Auto | SampleLevel::Zero) {
             let zero = match level {

@@ -96,6 +96,8 @@ struct Build<'s> {
     run: bool,
     /// The two differ.
     differs: bool,
+    /// For what no translation says the one that is run has something else.
+    stands: Option<Box<Diagnostic>>,
     workgroup: [u32; 3],
     /// Numbers of 8 bits stand in buffers as those of 32.
     wide_bytes: bool,
@@ -173,7 +175,7 @@ struct Leaving {
 pub(super) fn program(shader: &Shader, target: &Target) -> std::result::Result<Program, ProgramError> {
     let reals = Reals::new(shader, &|_, value| value);
     let (mut program, differs) = one(shader, target, true, reals.clone())?;
-    if differs && program.role == Role::Fragment {
+    if differs && program.role == Role::Fragment && program.untranslatable.is_none() {
         let (host, _) = one(shader, target, false, reals)?;
         program.stage_module = Some(Arc::new((host.module, host.info)));
     }
@@ -200,6 +202,7 @@ fn one(
         reals,
         run,
         differs: false,
+        stands: None,
         workgroup: workgroup(shader)?,
         wide_bytes: shader.defines().iter().any(|(name, _)| name == WIDE_BYTES),
         widened: Vec::new(),
@@ -210,7 +213,7 @@ fn one(
     let built = contain(|| build.run(target))
         .map_err(|panic| ProgramError::internal(format!("a module cannot be built: {panic}")))?;
     let (entry, role) = built.map_err(|refused| ProgramError::Source(vec![*refused]))?;
-    let Build { module, ports, differs, .. } = build;
+    let Build { module, ports, differs, stands, .. } = build;
     let Ports { inputs, uniforms, outputs, built_ins, mut unfed, bound, stage_inputs, memory, .. } = ports;
     let info = front::validate_text(shader.file(), &module)?;
     if let Entry::Function(function) = entry {
@@ -238,6 +241,7 @@ fn one(
         ranges: Vec::new(),
         textures,
         stage_module: None,
+        untranslatable: stands,
         unfed,
         memory,
         file: shader.file().clone(),
@@ -362,6 +366,16 @@ impl Build<'_> {
         let what: String = what.into();
         let message = format!("{what} cannot be expressed by the translator");
         Box::new(Diagnostic::new(UNSUPPORTED, Severity::Error, self.shader.file(), span, message).with_help(help))
+    }
+
+    /// Takes something else for what no translation can say; refused in the module that a host gets.
+    fn stand_for(&mut self, span: Span, what: impl Into<String>, help: &str) -> Result<()> {
+        let refused = self.unsupported(span, what, help);
+        if !self.run {
+            return Err(refused);
+        }
+        self.stands.get_or_insert(refused);
+        Ok(())
     }
 
     fn incomplete(&self, span: Span, message: &str, help: &str) -> Box<Diagnostic> {

@@ -74,6 +74,12 @@ impl Build<'_> {
         // What is run has the samples of a pixel in layers: the harness draws into no texture.
         let layered = self.run && ty.multisampled && !ty.arrayed && ty.kind == OpaqueKind::Sampler;
         self.differs |= layered;
+        if layered && self.shader.stage() != syntax::Stage::Fragment {
+            self.stand_for(span, format!("`{ty}` outside of a fragment shader"), "translate a fragment shader")?;
+        }
+        if ty.dim == TextureDim::Subpass {
+            self.stand_for(span, "an input attachment", "use a texture, and read it at `gl_FragCoord`")?;
+        }
         let multi = ty.multisampled && !layered;
         let class = match ty.kind {
             OpaqueKind::Sampler if ty.shadow => ImageClass::Depth { multi },
@@ -372,21 +378,13 @@ impl Fun<'_, '_> {
         let pixel = self.state("gl_FragCoord", span)?;
         let pixel = self.swizzle(&pixel, &[0, 1])?;
         let mut at = self.cast(pixel, ScalarType::Float, ScalarType::Int)?;
-        if self.build.run {
-            self.build.differs = true;
-            let level = Some(self.i32(0));
-            let size = self.add(Expression::ImageQuery { image, query: ImageQuery::Size { level } });
-            let plain = self.cast(at, ScalarType::Int, ScalarType::Uint)?;
-            let e = self.add(Expression::Binary { op: B::Modulo, left: plain.e, right: size });
-            at = self.cast(Val { e, ty: plain.ty }, ScalarType::Uint, ScalarType::Int)?;
-        }
+        let level = Some(self.i32(0));
+        let size = self.add(Expression::ImageQuery { image, query: ImageQuery::Size { level } });
+        let plain = self.cast(at, ScalarType::Int, ScalarType::Uint)?;
+        let e = self.add(Expression::Binary { op: B::Modulo, left: plain.e, right: size });
+        at = self.cast(Val { e, ty: plain.ty }, ScalarType::Uint, ScalarType::Int)?;
         match sample {
-            Some(sample) if self.is_layered(ty) => self.sample_in_layer(ty, image, at, sample.e),
-            Some(sample) => {
-                let sample = Some(sample.e);
-                let e = Expression::ImageLoad { image, coordinate: at.e, array_index: None, sample, level: None };
-                Ok(Val { e: self.add(e), ty: Type::Vector(ty.scalar, 4) })
-            }
+            Some(sample) => self.sample_in_layer(ty, image, at, sample.e),
             None => self.texel_of(ty, image, at, None),
         }
     }

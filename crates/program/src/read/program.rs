@@ -144,6 +144,7 @@ impl ModuleText {
             built_ins: interface.built_ins,
             textures: ports.textures,
             stage_module: host.map(Arc::new),
+            untranslatable: None,
             unfed: ports.unfed,
             ranges: interface.ranges,
             memory: ports.memory,
