@@ -76,12 +76,14 @@ pub(super) fn with_more(
 const MOST_READ: usize = 64;
 const MOST_TOGETHER: usize = 3;
 
+/// Reads the text with such names.
+type With<'w> = dyn FnMut(&[(String, String)]) -> Option<IncludedText> + 'w;
+
 /// Looks for names that together make a text compile: what takes away its first error is a step on the way.
 struct Search<'s> {
     names: &'s [(String, String)],
     defines: &'s [(String, String)],
-    /// The text with such names.
-    with: &'s mut dyn FnMut(&[(String, String)]) -> Option<IncludedText>,
+    with: &'s mut With<'s>,
     /// Texts that may still be read.
     left: usize,
 }
