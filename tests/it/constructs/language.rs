@@ -204,6 +204,12 @@ fn what_macros_write_is_run() {
         "r = vec4(SQUARE(x + 1.0), half_way, __VERSION__, __LINE__ > 0);",
         [20.25, 0.5, 450.0, 1.0],
     );
+    // The variables of both functions stand in one place.
+    gives(
+        "#define SUM(T) T sum(T a) { T b = a + a; T c = b * b; return c; }\nSUM(float) SUM(vec2)",
+        "r = vec4(sum(x), sum(v.xy), 0.0);",
+        [49.0, 4.0, 16.0, 0.0],
+    );
 }
 
 #[test]

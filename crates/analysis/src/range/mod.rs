@@ -22,6 +22,7 @@ mod value;
 
 use std::collections::BTreeMap;
 
+pub use start::specialized;
 pub use transfer::UNIT_SLACK;
 pub use value::{Evidence, Range, Value};
 

@@ -456,7 +456,10 @@ mod tests {
     fn functions_of_several_arguments_are_taken_from_host_code() {
         let text = "layout(local_size_x = 8) in;\nlayout(binding = 0) buffer B { real4 x[]; };\n\
                     void main() { uint i = gl_GlobalInvocationID.x; store(x, i, load(x, i) * SCALE); }\n";
-        assert_eq!(with(text, &[]), None);
+        // What gets a buffer alone is known by that.
+        let access = [("load(from,at)", "(from[at])"), ("store(to,at,value)", "(to[at] = (value))")];
+        let plain = [&[("real4", "float"), ("SCALE", "32")][..], &access].concat();
+        assert_eq!(with(text, &[]).unwrap().assumed, pairs(&plain).unwrap());
         // What a definition needs itself is taken as well.
         let offers = [
             offer("real4", "vec4", 3, false),

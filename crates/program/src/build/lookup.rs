@@ -92,12 +92,6 @@ impl Fun<'_, '_> {
                 level = SampleLevel::Bias(bias.e);
             }
         }
-        if ty.scalar != ScalarType::Float
-            && !gather
-            && matches!(ty.dim, TextureDim::D2 | TextureDim::D3 | TextureDim::D1)
-        {
-            return self.nearest(&lookup, offset);
-        }
         if ty.scalar != ScalarType::Float && !gather {
             self.build.stand_for(span, format!("`{function}` of a `{ty}`"), "use `texelFetch`")?;
             if matches!(ty.dim, TextureDim::D1 | TextureDim::D2 | TextureDim::D3) {

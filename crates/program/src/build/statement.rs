@@ -6,7 +6,8 @@ use super::function::{Fun, Val};
 use super::place::Var;
 use super::types::same;
 use super::{Expr, Result};
-use syntax::ast::{ArrayDim, Block, Condition, Declaration, ExprId, Stmt, StmtKind};
+use syntax::ast::{ArrayDim, Block, Condition, Declaration, ExprId, Stmt, StmtKind, TypeKind};
+use syntax::symbols::SymbolId;
 use syntax::types::{ArraySize, Type};
 use syntax::{Const, Stage};
 
@@ -129,7 +130,7 @@ impl Fun<'_, '_> {
     pub(super) fn declaration(&mut self, declaration: &Declaration) -> Result<()> {
         for declarator in &declaration.declarators {
             self.at = declarator.span;
-            let symbols = self.build.declared(&declarator.name);
+            let symbols = self.of_type(self.build.declared(&declarator.name), &declaration.ty.kind);
             let Some(&first) = symbols.first() else {
                 // An array that is declared again only gets its size.
                 if declarator.initializer.is_none() {
@@ -165,6 +166,21 @@ impl Fun<'_, '_> {
             }
         }
         Ok(())
+    }
+
+    /// Of the variables of one place, those of the type that is written: a macro that declares one in each of several functions
+    /// has one place for all of them.
+    fn of_type(&self, all: Vec<SymbolId>, kind: &TypeKind) -> Vec<SymbolId> {
+        let TypeKind::Named(written) = kind else { return all };
+        let is_written = |symbol: &&SymbolId| {
+            let mut ty = &self.shader.symbol(**symbol).ty;
+            while let Type::Array(element, _) = ty {
+                ty = element;
+            }
+            ty.to_string() == *written
+        };
+        let own: Vec<SymbolId> = all.iter().filter(is_written).copied().collect();
+        if own.is_empty() { all } else { own }
     }
 
     fn condition(&mut self, condition: &Condition) -> Result<Expr> {

@@ -5,6 +5,7 @@ use syntax::types::ScalarType;
 use syntax::{Shader, walk};
 
 use analysis::numeric::{bare, bits};
+use analysis::range::specialized;
 
 /// What a comparison with a constant always is: one of its bits is another than the mask in front leaves.
 pub fn decided(shader: &Shader, id: ExprId) -> Option<bool> {
@@ -28,20 +29,11 @@ pub fn decided(shader: &Shader, id: ExprId) -> Option<bool> {
         BinaryOp::BitOr => !constant & mask != 0,
         _ => return None,
     };
-    (other && !is_set(shader, id, DEEPEST)).then_some(always)
+    (other && !is_set(shader, id)).then_some(always)
 }
 
-/// How many constants are followed that are declared by one another.
-const DEEPEST: usize = 16;
-
 /// True where a constant takes part that a host may set, or one that follows from it.
-fn is_set(shader: &Shader, id: ExprId, depth: usize) -> bool {
-    let constants = &shader.interface().constants;
-    walk::expressions(shader, id).into_iter().filter_map(|e| shader.symbol_of(e)).any(|symbol| {
-        let constant = constants.iter().find(|constant| constant.symbol == symbol);
-        constant.is_some_and(|constant| {
-            let follows = |value: ExprId| depth.checked_sub(1).is_none_or(|depth| is_set(shader, value, depth));
-            constant.is_specialized() || constant.initializer.is_some_and(follows)
-        })
-    })
+fn is_set(shader: &Shader, id: ExprId) -> bool {
+    let set = specialized(shader);
+    walk::expressions(shader, id).into_iter().filter_map(|e| shader.symbol_of(e)).any(|symbol| set.contains(&symbol))
 }
