@@ -81,6 +81,12 @@ pub fn run(args: &TranslateArgs, out: &mut dyn Write, err: &mut dyn Write) -> an
             writeln!(err, "error: {name}: {error}")?;
             return Ok(ExitStatus::Findings);
         }
+        Err(TranslateError::Program(ProgramError::Source(found))) => {
+            for diagnostic in found {
+                write!(err, "{}", diagnostics::text(&diagnostic.at_origin(), Lang::En, false))?;
+            }
+            return Ok(ExitStatus::Findings);
+        }
         Err(error) => return Err(error).with_context(|| name),
     };
     // What naga writes and does not read back is not handed out as if it were right.
