@@ -10,6 +10,7 @@ use super::hosts::Hosts;
 use base::diagnostic::{Diagnostic, Severity};
 use base::text::{Shown as _, SourceFile};
 use compose::LeftOut;
+use engine::completion::references::{self, Unfolded};
 use engine::completion::{self, Completed, macro_name};
 use engine::fuzz::{FunctionReport, FuzzFindingKind};
 use engine::suite::{Includes, Joined, read_module};
@@ -41,6 +42,10 @@ pub struct IncludedText {
     slips: Vec<Diagnostic>,
     /// What to tell of a version that it does not name.
     version: Option<String>,
+    /// What to tell of buffers that it has addresses of.
+    addresses: Option<String>,
+    /// One buffer stands for several that it writes.
+    shares: bool,
     /// What to tell of what its host fills in.
     filled: Vec<String>,
     /// Names that stand for what its host fills in.
@@ -105,6 +110,8 @@ pub fn with_includes(file: &SourceFile, path: &Path, given: &Given<'_>) -> anyho
         completed: Completed::default(),
         slips: Vec::new(),
         version: None,
+        addresses: None,
+        shares: false,
         filled: Vec::new(),
         made_up: Vec::new(),
         open: None,
@@ -213,7 +220,16 @@ impl IncludedText {
     fn parsed_with(&self, defines: &[(String, String)], completed: &Completed) -> Parsed {
         let all: Vec<(String, String)> = defines.iter().cloned().chain(completed.macros()).collect();
         let (defines, file) = (&all[..], completed.put(&self.file));
-        read_glsl(&file, self.stage, defines)
+        let parsed = read_glsl(&file, self.stage, defines);
+        self.unfolded(&parsed, defines).map_or(parsed, |(unfolded, _)| unfolded)
+    }
+
+    /// The text with a buffer for each address of one, if that brings no errors, and what to tell of it.
+    fn unfolded(&self, parsed: &Parsed, defines: &[(String, String)]) -> Option<(Parsed, Unfolded)> {
+        let errors = |parsed: &Parsed| parsed.diagnostics.iter().filter(|d| d.severity == Severity::Error).count();
+        let text = references::unfolded(&parsed.shader)?;
+        let unfolded = read_glsl(&text.file, self.stage, defines);
+        (errors(&unfolded) <= errors(parsed)).then_some((unfolded, text))
     }
 
     /// What to tell of the version that is taken for a text which names none: a compute shader, or one that asks for OpenGL ES.
@@ -293,7 +309,13 @@ impl IncludedText {
         };
         let completed = completion::completed(&with, &mut offers, &mut siblings).unwrap_or_default();
         let version = self.assumed_version(defines);
-        Self { completed, version, ..self }
+        let all: Vec<(String, String)> = defines.iter().cloned().chain(completed.macros()).collect();
+        let plain = read_glsl(&completed.put(&self.file), self.stage, &all);
+        let (addresses, shares) = match self.unfolded(&plain, &all) {
+            Some((_, Unfolded { note, shares, .. })) => (Some(note), shares),
+            None => (None, false),
+        };
+        Self { completed, version, addresses, shares, ..self }
     }
 
     /// The same with what stands for declarations, and values of constants, that a text in WGSL lacks. A slip stays an error.
@@ -362,7 +384,7 @@ impl IncludedText {
     pub fn softened(&self, mut function: FunctionReport) -> FunctionReport {
         self.completed.soften(&mut function);
         let is_assumed = self.joined.as_ref().is_some_and(Joined::is_assumed) || self.completed.is_sized();
-        if is_assumed || !self.again.is_empty() || self.resting.contains(&function.function) {
+        if is_assumed || self.shares || !self.again.is_empty() || self.resting.contains(&function.function) {
             function.as_warnings();
         }
         if is_assumed {
@@ -392,6 +414,7 @@ impl IncludedText {
             .chain(assumed)
             .chain(declared)
             .chain(self.version.clone())
+            .chain(self.addresses.clone())
             .collect()
     }
 

@@ -205,3 +205,31 @@ fn what_only_a_host_or_another_reader_decides_is_not_run_and_no_error() {
     let endless = "warning: main: this loop does not end";
     assert_eq!(runs.each_ref().map(|ran| ran.out.contains(endless)), [false, true], "{runs:?}");
 }
+
+/// Memory behind an address is a buffer like any other: a value that is missing, a race and what orders it, and a list that is
+/// walked by its addresses.
+#[test]
+fn memory_behind_an_address_is_fed_and_watched() {
+    let head = "#version 460\n#extension GL_EXT_buffer_reference : require\n";
+    let vertex = format!(
+        "{head}layout(buffer_reference, std430) readonly buffer Points {{ float x[]; }};\n\
+         layout(push_constant) uniform Pushed {{ Points points; }} pushed;\nlayout(location = 0) out float color;\n\
+         void main() {{ float x = pushed.points.x[gl_VertexIndex]; gl_Position = vec4(x); color = FAULT; }}\n"
+    );
+    let ran = both("a.vert", &vertex, "");
+    told(&ran, NO_VALUE);
+    assert!(ran[0].err.contains("each address of a buffer leads to memory of its own: `Points_points`"), "{ran:?}");
+    let kernel = |add: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let text = format!(
+            "{head}layout(local_size_x = 64) in;\n\
+             layout(buffer_reference, std430) buffer Sum {{ uint total; }};\n\
+             layout(push_constant) uniform Pushed {{ Sum sum; }};\nvoid main() {{ {add} }}\n"
+        );
+        fs::write(folder.path().join("a.comp"), text).unwrap();
+        run_in(folder.path(), "fuzz a.comp --lane embedded")
+    };
+    told(&[kernel("sum.total += 1u;"), kernel("atomicAdd(sum.total, 1u);")], "race on `Sum_sum.total`");
+    let list = kernel("Sum own = sum; for (int k = 0; k < 4; ++k) { own.total = 1u; own = Sum(uvec2(own.total)); }");
+    assert!(list.out.contains("the member `sum`, whose type is one of an extension"), "{list:?}");
+}

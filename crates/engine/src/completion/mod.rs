@@ -13,6 +13,7 @@
 mod access;
 mod declared;
 mod macros;
+pub mod references;
 mod search;
 #[cfg(test)]
 mod tests;

@@ -109,6 +109,10 @@ impl Build<'_> {
         let mut members = Vec::new();
         let (mut at, mut most) = (0_u32, if layout == TypeLayout::Uniform { 16 } else { 1 });
         for field in ty.fields.iter().filter(|f| !f.ty.contains_opaque() || has_data(&f.ty)) {
+            if field.ty.is_error() {
+                let what = format!("the member `{}`, whose type is one of an extension", field.name);
+                return Err(self.unsupported(field.span, what, "give it another type"));
+            }
             let member = self.make(&field.ty, layout, span)?;
             let (bytes, mut align) = self.layout_of(member, span)?;
             if layout == TypeLayout::Uniform && matches!(field.ty, Type::Array(..) | Type::Struct(_)) {

@@ -132,8 +132,13 @@ fn attributes(
                 format!("attribute `{}` of type `{}` as one vertex attribute", port.field.name, port.field.shape);
             return Err(ProgramError::Unsupported { what });
         }
-        let PortAt::Argument(k) = port.at else {
-            return Err(ProgramError::internal(format!("attribute at {:?}", port.at)));
+        let k = match port.at {
+            PortAt::Argument(k) => k,
+            PortAt::Part { .. } => {
+                let what = format!("`{}`, which is memory, as a vertex attribute", port.field.name);
+                return Err(ProgramError::Unsupported { what });
+            }
+            ref other => return Err(ProgramError::internal(format!("attribute at {other:?}"))),
         };
         let location = match arguments[k as usize].binding {
             Some(Binding::Location { location, .. }) => location,
