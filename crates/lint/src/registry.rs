@@ -136,6 +136,7 @@ pub const RULES: &[&Rule] = &[
     &glsl::mediump_square::RULE,
     &glsl::mediump_time::RULE,
     &glsl::mediump_position::RULE,
+    &glsl::index_at_closed_end::RULE,
     // P. Cost.
     &glsl::inverse_in_shader::RULE,
     &glsl::matrix_chain_order::RULE,
@@ -192,6 +193,7 @@ pub const RULES: &[&Rule] = &[
     &wgsl::buffer_size_differs::RULE,
     &wgsl::members_differ::RULE,
     &wgsl::resource_of_another_pass::RULE,
+    &wgsl::output_left_at_zero::RULE,
     // X. Comments that silence rules.
     &suppress::unused_suppression::RULE,
     &suppress::bad_suppression::RULE,

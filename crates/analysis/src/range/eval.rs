@@ -125,7 +125,7 @@ impl<'s> Machine<'s> {
     }
 
     /// Records the operands at a place.
-    fn record(&mut self, id: ExprId, operands: Vec<Value>) {
+    pub fn record(&mut self, id: ExprId, operands: Vec<Value>) {
         if self.recording && !self.state.dead {
             let visits = self.visits.entry(id).or_default();
             let visit = Visit { operands };
@@ -155,7 +155,7 @@ impl<'s> Machine<'s> {
             ExprKind::Field { base, field: _ } => self.indices(*base),
             ExprKind::Index { base, index } => {
                 self.indices(*base);
-                self.eval(*index);
+                self.index(target, *index);
             }
             _ => {}
         }
@@ -208,7 +208,7 @@ impl<'s> Machine<'s> {
             ExprKind::Paren(inner) => self.eval(*inner),
             ExprKind::Index { base, index } => {
                 let base = self.eval(*base);
-                let at = self.eval(*index);
+                let at = self.index(id, *index);
                 self.indexed(id, &base, &at)
             }
             ExprKind::Field { base, field } => {

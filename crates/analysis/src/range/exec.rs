@@ -15,6 +15,13 @@ const ROUNDS: usize = 2;
 const MOST_ROUNDS: usize = 10;
 
 impl<'s> Machine<'s> {
+    /// The value of an index, which is recorded at the element `id` that it chooses.
+    pub fn index(&mut self, id: ExprId, index: ExprId) -> Value {
+        let at = self.eval(index);
+        self.record(id, vec![at.clone()]);
+        at
+    }
+
     /// Runs statements in order.
     pub fn block(&mut self, statements: &'s [Stmt]) {
         for stmt in statements {

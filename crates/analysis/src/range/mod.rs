@@ -53,7 +53,7 @@ pub struct Visit {
     pub operands: Vec<Value>,
 }
 
-/// What came up at the calls of built-in functions and at the infix operators of a shader.
+/// What came up at the calls of built-in functions, at the infix operators and at the indices of a shader.
 #[derive(Clone, Debug, Default)]
 pub struct Observed {
     visits: BTreeMap<ExprId, Vec<Visit>>,
@@ -94,7 +94,7 @@ impl Observed {
         all
     }
 
-    /// The visits of a call or operator; none when it is never reached.
+    /// The visits of a call, operator or element; none when it is never reached.
     pub fn visits(&self, id: ExprId) -> &[Visit] {
         self.visits.get(&id).map_or(&[], Vec::as_slice)
     }

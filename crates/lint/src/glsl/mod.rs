@@ -51,6 +51,7 @@ pub(crate) mod hlsl_name;
 pub(super) mod identical_operands;
 pub(super) mod image_format;
 pub(super) mod implicit_int_to_float;
+pub(super) mod index_at_closed_end;
 pub(super) mod index_of_idle_axis;
 pub(super) mod index_past_shared_array;
 pub(super) mod index_rounded_to_size;

@@ -9,6 +9,7 @@ pub(super) mod buffer_size_differs;
 pub(super) mod dispatch_counts_items;
 pub(super) mod members_differ;
 pub(super) mod non_uniform_control_flow;
+pub(super) mod output_left_at_zero;
 pub(super) mod override_without_value;
 pub(super) mod pixel_centre_rounded;
 pub(super) mod private_variable_never_set;
