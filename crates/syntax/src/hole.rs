@@ -208,7 +208,10 @@ impl<'t> Reader<'t> {
                         _ => second == Some(Lex::Assign),
                     };
                 let calls = || self.glued(len) == Some(Lex::LParen) && self.bracketed(len) == Some(self.line);
-                Some(if first && (controls || calls()) { self.line } else { len })
+                // `$constant NAME VALUE`: words alone, on a line of their own, are no declaration.
+                let line = || &self.pieces[self.at + len..self.at + self.line];
+                let words = || self.line > len + 1 && line().iter().all(|p| matches!(p.lex, Lex::Word | Lex::Number));
+                Some(if first && (controls || calls() || words()) { self.line } else { len })
             }
             // A line of a fence is no directive.
             '`' if first && self.glued(1) == Some(Lex::Word) => Some(self.line),

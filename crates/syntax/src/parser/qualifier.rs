@@ -15,6 +15,9 @@ impl Parser<'_> {
         loop {
             // What it says of a variable is not known, and the variable is read without it.
             if self.foreign_qualifier() || self.filled_in() {
+                if let Some(kind) = self.named_by_hole() {
+                    list.push(Qualifier { kind, span: self.span() });
+                }
                 self.advance();
                 continue;
             }
@@ -88,6 +91,22 @@ impl Parser<'_> {
     fn filled_in(&self) -> bool {
         let next = self.word_at(1);
         self.peek() == Lex::Hole && (self.words.qualifier(next) || self.words.built_in_type(next))
+    }
+
+    /// The qualifier that a hole has for its name: `$in`, `${out}`.
+    fn named_by_hole(&self) -> Option<QualifierKind> {
+        let hole = self.sink.file.slice(self.span());
+        let storage = match hole.trim_matches(|c: char| !c.is_ascii_alphabetic()) {
+            _ if self.peek() != Lex::Hole => return None,
+            "in" => StorageQualifier::In,
+            "out" => StorageQualifier::Out,
+            "inout" => StorageQualifier::InOut,
+            "uniform" => StorageQualifier::Uniform,
+            "attribute" => StorageQualifier::Attribute,
+            "varying" => StorageQualifier::Varying,
+            _ => return None,
+        };
+        Some(QualifierKind::Storage(storage))
     }
 
     /// Tells a qualifier of a later version that stands where one can only be meant, and takes it as one.
