@@ -24,16 +24,19 @@ const MOST_ELEMENTS: u32 = 64;
 pub(crate) enum Elements {
     /// One of more elements is not taken apart.
     AtMost(u32),
-    /// So many come first, and the others are left as they are.
+    /// Of one of more elements some come first, and the others are left as they are.
     First(u32),
 }
+
+/// Elements of a long array that are inputs: each is a few numbers of every record.
+const FIRST_ELEMENTS: u32 = 16;
 
 impl Elements {
     /// How many of `n` elements are taken apart; none where the array is too long.
     pub(crate) fn of(self, n: u32) -> Option<u32> {
         match self {
             Self::AtMost(most) => (n <= most).then_some(n),
-            Self::First(most) => Some(n.min(most)),
+            Self::First(most) => Some(if n <= most { n } else { FIRST_ELEMENTS }),
         }
     }
 }
