@@ -298,12 +298,17 @@ pub(super) fn subjects(
     let is_joined = |error: &Diagnostic| {
         error.code == errors::LATE_VERSION && error.file.origin(error.span).0.name() != source.file.name()
     };
-    let doubtful = reading::open::doubtful(&parsed.shader, &errors, errors::Around::empty());
+    let mut doubtful = reading::open::doubtful(&parsed.shader, &errors, errors::Around::empty());
+    // Who puts a version in front may declare more there, but for what is nearly a name of the text.
+    if !errors.is_empty() && !source.is_versioned(define) {
+        let of_host = |error: &Diagnostic| reading::open::is_about_a_name(error) && !source.is_slip(error);
+        let made = |error: &Diagnostic| source.may_be_made(error, define);
+        doubtful.iter_mut().zip(&errors).for_each(|(doubtful, error)| *doubtful |= of_host(error) || made(error));
+    }
     // What the linter does not tell either, since something that nobody stated decides.
     let unsure = doubtful.iter().all(|doubtful| *doubtful);
-    // Of a piece, what is wrong beside what it lacks comes first; a text in another language is told where it is named.
-    let is_told =
-        errors.iter().any(|error| error.code == errors::OTHER_LANGUAGE) || !parsed.shader.lacking().is_empty();
+    // A text in another language is told where it is named.
+    let is_told = errors.iter().any(|error| error.code == errors::OTHER_LANGUAGE);
     // What a file that is not there would change, nobody knows.
     let of_file =
         |error: &Diagnostic| Diagnostic { message: parsed.shader.file().slice(error.span).into(), ..error.clone() };
@@ -318,7 +323,7 @@ pub(super) fn subjects(
         // Where some functions do not compile, the others run.
         let mut subjects = Vec::new();
         if let Some((shader, broken)) =
-            spared::shader(source, &parsed.shader, &errors, (define, open || of_host.is_some()))
+            spared::shader(source, &parsed.shader, &errors, (&source.macros(define), open || of_host.is_some()))
         {
             let wanted = |name: &str| wanted(name) && !source.is_assumed(name);
             subjects = fuzz::subjects(&shader, &wanted).map_err(unstated)?;
@@ -337,6 +342,10 @@ pub(super) fn subjects(
             }
             return Ok((Vec::new(), subjects));
         }
+        // What a host may take away stands behind what it cannot, and is told with nothing else.
+        let sure = errors.into_iter().zip(doubtful).filter(|(_, doubtful)| unsure || !doubtful);
+        let lacking = source.lacking(define);
+        let errors = if lacking.is_empty() { sure.map(|(error, _)| error).collect() } else { lacking };
         return Ok((told(&mut errors.into_iter()), subjects));
     }
     // What is wrong whatever a host adds does not keep the rest from being run.

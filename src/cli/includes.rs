@@ -7,6 +7,7 @@ use anyhow::Context as _;
 
 use super::compose::Given;
 use super::hosts::Hosts;
+use super::spared;
 use base::diagnostic::{Diagnostic, Severity};
 use base::text::{Shown as _, SourceFile};
 use compose::LeftOut;
@@ -206,8 +207,7 @@ impl IncludedText {
             return self.slips.clone();
         }
         // Who puts a version in front may put more there.
-        let versioned = || Shader::parse_with(&self.file, self.stage, defines).shader.version().span.is_some();
-        if self.completed.declared.is_empty() || !versioned() {
+        if self.completed.declared.is_empty() || !self.is_versioned(defines) {
             return Vec::new();
         }
         let Parsed { shader, diagnostics } =
@@ -215,6 +215,23 @@ impl IncludedText {
         let errors: Vec<Diagnostic> = diagnostics.into_iter().filter(|d| d.severity == Severity::Error).collect();
         let doubtful = reading::open::doubtful(&shader, &errors, syntax::errors::Around::empty());
         errors.into_iter().zip(doubtful).filter(|(_, doubtful)| !doubtful).map(|(error, _)| error).collect()
+    }
+
+    /// The macros of the command line, and those that stand for what a build or a host may give.
+    pub fn macros(&self, defines: &[(String, String)]) -> Vec<(String, String)> {
+        defines.iter().cloned().chain(self.completed.macros()).collect()
+    }
+
+    /// Whether the text states a version, so that no host puts anything in front of it.
+    pub fn is_versioned(&self, defines: &[(String, String)]) -> bool {
+        Shader::parse_with(&self.file, self.stage, defines).shader.version().span.is_some()
+    }
+
+    /// True for an error of a piece that may come of what stands for names which it lacks.
+    pub fn may_be_made(&self, error: &Diagnostic, defines: &[(String, String)]) -> bool {
+        let known = |of: &Diagnostic| (of.code, of.message.to_string(), of.file.locate(of.span.start));
+        let plain = || self.parsed_with(defines, &Completed::default()).diagnostics;
+        self.completed.is_partial && plain().iter().all(|own| known(own) != known(error))
     }
 
     fn parsed_with(&self, defines: &[(String, String)], completed: &Completed) -> Parsed {
@@ -307,7 +324,10 @@ impl IncludedText {
             let offers = hosts.borrow_mut().offers(&self.path, names);
             offers.into_iter().filter(|offer| !stated(&offer.name)).collect::<Vec<_>>()
         };
-        let completed = completion::completed(&with, &mut offers, &mut siblings).unwrap_or_default();
+        let found = completion::completed(&with, &mut offers, &mut siblings).unwrap_or_default();
+        // Of which nothing runs so, what stands for names is of no use.
+        let runs = !found.is_partial || spared::runs(&self, &found, defines);
+        let completed = if runs { found } else { Completed::default() };
         let version = self.assumed_version(defines);
         let all: Vec<(String, String)> = defines.iter().cloned().chain(completed.macros()).collect();
         let plain = read_glsl(&completed.put(&self.file), self.stage, &all);
@@ -401,7 +421,7 @@ impl IncludedText {
     /// What is worth knowing about where parts of the text come from, and about what is assumed.
     pub fn notes(&self) -> Vec<String> {
         let joined = self.joined.as_ref().map(Joined::notes).unwrap_or_default();
-        let Completed { assumed, taken, declared } = &self.completed;
+        let Completed { assumed, taken, declared, is_partial: _ } = &self.completed;
         let assumed = (!assumed.is_empty()).then(|| completion::assumption_note(assumed));
         let taken = completion::taken_notes(taken);
         let declared = completion::declared_notes(declared);

@@ -4,6 +4,7 @@
 use super::includes::{IncludedText, read_glsl};
 use base::diagnostic::{Diagnostic, Severity};
 use base::text::{Assembly, SourceFile, Span};
+use engine::completion::Completed;
 use engine::fuzz::Subject;
 use engine::suite::read_module;
 use program::{ModuleText, ProgramError, Written};
@@ -101,6 +102,18 @@ pub(super) fn shader(
         rest = left_out.without(&shader, &diagnostics, open)?;
     }
     None
+}
+
+/// True for a piece of which some function is right with what stands for names that it lacks.
+pub(super) fn runs(source: &IncludedText, found: &Completed, defines: &[(String, String)]) -> bool {
+    let all: Vec<(String, String)> = defines.iter().cloned().chain(found.macros()).collect();
+    let Parsed { shader: whole, mut diagnostics } = read_glsl(&found.put(&source.file), source.stage, &all);
+    diagnostics.retain(|d| d.severity == Severity::Error);
+    let rest = shader(source, &whole, &diagnostics, (&all, false));
+    rest.is_some_and(|(rest, _)| {
+        let mut own = rest.functions().filter(|(_, function)| function.definition.is_some());
+        own.any(|(_, function)| !found.is_assumed(&function.name.name))
+    })
 }
 
 /// The same for a module in WGSL, of which one error is told at a time. A whole one is refused unless it is `open`.

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! What a variable holds and a function gives is any value of its type: an input. A type is right when the text has no error
-//! with it, and of several, the plainest is taken. Where errors are left whatever is tried, nothing is completed.
+//! with it, and of several, the plainest is taken. Where that brings errors, or leaves names, nothing is completed but a piece
+//! of which some functions are right so.
 
 mod access;
 mod declared;
@@ -19,7 +20,9 @@ mod search;
 mod tests;
 pub mod wgsl;
 
-use base::diagnostic;
+use std::collections::HashSet;
+
+use base::diagnostic::{self, Code};
 use base::text::SourceFile;
 use program::{WIDE_BYTES, WORKGROUP_SIZE};
 use syntax::Parsed;
@@ -54,6 +57,8 @@ pub struct Completed {
     pub taken: Vec<Offer>,
     /// Declarations that are assumed.
     pub declared: Vec<Stand>,
+    /// The text has errors with them that it may not have with those that are meant.
+    pub is_partial: bool,
 }
 
 impl Completed {
@@ -130,19 +135,48 @@ fn names(parse: &Parse<'_>, offers: &mut Offers<'_>, siblings: &mut Siblings<'_>
     if is_whole || plain.shader.wgsl().is_some() {
         return None;
     }
-    let done = |found: &Completed| errors(&parse(found)) == 0;
+    // What is wrong whatever names stand for stays wrong: it is told, and the rest is run.
+    let before: HashSet<(Code, String, String)> = wrong(&plain).collect();
+    let done = |found: &Completed| {
+        let parsed = parse(found);
+        let lacks_nothing = parsed.shader.lacking().is_empty() && search::includes(&parsed).is_empty();
+        lacks_nothing && wrong(&parsed).all(|error| before.contains(&error))
+    };
     if let Some(found) = macros::names(&|macros| parse(&with_macros(macros, &[])), offers).filter(done) {
         return Some(found);
     }
-    // A name of host code need not be the one that is meant.
-    let with_offers = Search::new(parse, &plain).run(&plain, offers, siblings);
-    Some(with_offers)
-        .filter(done)
-        .or_else(|| Some(Search::new(parse, &plain).run(&plain, &mut |_| Vec::new(), siblings)).filter(done))
+    // A name of host code need not be the one that is meant, nor need a function of another file.
+    let mut best: Option<(usize, Completed)> = None;
+    let mut search = |offers: &mut Offers<'_>, siblings: &mut Siblings<'_>| {
+        let found = Search::new(parse, &plain).run(&plain, offers, siblings);
+        if done(&found) {
+            return Some(found);
+        }
+        let left = errors(&parse(&found));
+        if best.as_ref().is_none_or(|(most, _)| left < *most) {
+            best = Some((left, found));
+        }
+        None
+    };
+    search(offers, siblings)
+        .or_else(|| search(&mut |_| Vec::new(), siblings))
+        .or_else(|| search(&mut |_| Vec::new(), &mut |_| Vec::new()))
+        .or_else(|| {
+            // Of a piece, the functions run that are right so.
+            let is_piece = plain.shader.function("main").is_none();
+            best.filter(|(left, _)| is_piece && *left < errors(&plain))
+                .map(|(_, found)| Completed { is_partial: true, ..found })
+        })
 }
 
 fn with_macros(macros: &[(String, String)], declared: &[Stand]) -> Completed {
     Completed { assumed: macros.to_vec(), declared: declared.to_vec(), ..Completed::default() }
+}
+
+/// The errors of a text: code, message and place in its file.
+fn wrong(parsed: &Parsed) -> impl Iterator<Item = (Code, String, String)> + '_ {
+    let errors = parsed.diagnostics.iter().filter(|d| d.severity == diagnostic::Severity::Error);
+    errors.map(|d| (d.code, d.message.to_string(), d.file.locate(d.span.start)))
 }
 
 /// Errors of a text, and names that it lacks.

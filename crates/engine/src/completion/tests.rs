@@ -82,15 +82,18 @@ fn what_is_used_and_nowhere_declared_gets_the_plainest_type_that_fits() {
 }
 
 #[test]
-fn what_is_wrong_otherwise_is_not_completed() {
-    for text in [
-        "float f(float x) { return x * vec2(scale); }\n",
-        "#version 330\nout vec4 c;\nvoid main() { c = vec3(tint); }\n",
-        "float f(float x) { return shade(x) + vec3(1.0).q2; }\n",
-        "float f(float x) { return x; }\n",
+fn what_is_wrong_otherwise_stays_wrong() {
+    for (text, name) in [
+        ("float f(float x) { return x * vec2(scale); }\n", "scale"),
+        ("#version 330\nout vec4 c;\nvoid main() { c = vec3(tint); }\n", "tint"),
+        ("float f(float x) { return shade(x) + vec3(1.0).q2; }\n", "shade"),
     ] {
-        assert_eq!(of(text), None, "{text}");
+        let file = SourceFile::new("a.frag", text);
+        let found = completed(&|with| parsed(&file, with), &mut |_| Vec::new(), &mut |_| Vec::new()).unwrap();
+        let names: Vec<&str> = found.declared.iter().map(|stand| stand.name.as_str()).collect();
+        assert_eq!((names, errors(&parsed(&file, &found))), (vec![name], 1), "{text}");
     }
+    assert_eq!(of("float f(float x) { return x; }\n"), None);
 }
 
 #[test]
