@@ -28,6 +28,9 @@ const MOST: usize = 96;
 /// Bytes that naga reads at most: some seconds.
 const MOST_READ: usize = 16 << 20;
 
+/// Types that the name of one may stand for, the likeliest first.
+const ALIASED: [&str; 7] = ["f32", "u32", "i32", "vec2f", "vec3f", "vec4f", "mat4x4f"];
+
 /// A name, and what it may be, the likeliest first.
 struct Choice {
     stand: Stand,
@@ -119,6 +122,13 @@ impl Search<'_> {
                 && members.is_empty()
             {
                 members.push(("unused_".to_owned(), Shape::one("f32")));
+                // A type of which nobody takes a member is most likely one of the language that a host chooses.
+                if !self.passed.contains(&choice.stand.name) && !choice.stand.name.ends_with(MADE) {
+                    let structure = choice.stand.form.clone();
+                    let aliases = ALIASED.map(|ty| Form::Variable("alias", Shape::one(ty)));
+                    choice.options = aliases.into_iter().chain([structure]).collect();
+                    choice.stand.form = choice.options[0].clone();
+                }
             }
         }
     }

@@ -36,6 +36,11 @@ fn a_name_is_of_the_type_that_its_uses_ask_for() {
             &["albedo texture_2d<f32>", "albedo_sampler sampler"],
         ),
         // What has to be known before anything runs is a constant, and what is written a variable.
+        ("struct P { x: REAL, n: COUNT } fn f(p: P) -> f32 { return f32(p.x) * 2.0; }", &["REAL f32", "COUNT f32"]),
+        (
+            "struct P { x: REAL } fn f(p: P) -> vec3f { let y = p.x * 2.0; return y + vec3f(1.0, 0.5, y.z); }",
+            &["REAL vec3f"],
+        ),
         ("const N = SIZE * 2u; fn f(i: u32) -> u32 { return i * N; }", &["SIZE u32"]),
         ("fn f(x: f32) -> f32 { state = x * 2.0; return state; }", &["state f32"]),
         // Numbers have no array of their own in a uniform.

@@ -52,6 +52,7 @@ fn declaration(out: &mut String, stand: &Stand, binding: usize, passed: bool) {
             writeln!(out, "struct {name} {{ {} }}", members.join(", "))
         }
         Form::Variable("const", shape) => writeln!(out, "const {name}: {} = {};", shape.ty, constant(&shape.ty)),
+        Form::Variable("alias", shape) => writeln!(out, "alias {name} = {};", shape.ty),
         Form::Variable("override", shape) => writeln!(out, "override {name}: {} = {};", shape.ty, constant(&shape.ty)),
         Form::Variable("handle", shape) => writeln!(out, "{}{name}: {};", bound(""), shape.ty),
         Form::Variable(space @ ("private" | "workgroup"), shape) => {
