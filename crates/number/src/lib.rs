@@ -29,6 +29,7 @@ mod double;
 mod exponential;
 pub mod half;
 mod inverse;
+pub mod linear;
 mod logarithm;
 mod power;
 mod reduction;
