@@ -23,6 +23,7 @@ mod lowered;
 mod machine;
 mod meaning;
 mod plain;
+pub mod proof;
 mod rearrange;
 mod results;
 mod shape;
