@@ -2,6 +2,7 @@
 
 mod job;
 mod known;
+mod prove;
 mod reproducible;
 mod stub;
 mod switches;
@@ -65,6 +66,8 @@ promises too little.
 
 Reproducible. With --reproducible, nothing is judged: for each output the report says whether every conforming device gives the same bits for the same inputs (fixed), would if everything were `precise`, or is free to give others, with each operation that leaves it open: a product and a sum that may become one operation, terms that may change their order, functions and quotients that are promised within an error, comparisons of what differs already. Sums and products count as rounded to nearest. At most 16384 samples are looked at, and the bits of all available lanes stand beside. The status is 1 if an output is not fixed.
 
+Prove. With --prove, nothing is judged by samples: for each buffer and workgroup variable of a compute stage the report says whether it is verified for all sizes (no two invocations of any dispatch meet at one element without a barrier where one of them writes, and no index lies outside, for every number of workgroups, every length and every number of the host that keeps to the conditions that are stated), or why that is not decided. Indices that are sums of numbers of the invocation, the host and loops are followed, quotients by constants too. Beside it, a few sizes are dispatched: a fault is what a dispatch shows. The status is 1 if there is one.
+
 Exit status: 0 no finding; 1 findings, or a file that does not compile; 2 usage, a lane of --lane that is \
 unavailable, or nothing could be run.")]
 pub struct FuzzArgs {
@@ -108,6 +111,10 @@ pub struct FuzzArgs {
     /// Instead, say which outputs have the same bits on every conforming device, and what leaves the others open
     #[arg(long, conflicts_with_all = ["write_suite", "notes", "arbitrary", "strict_integers"])]
     pub reproducible: bool,
+    /// Instead, say of each buffer and workgroup variable of compute stages whether it is free of races and of indices outside
+    /// of it for all sizes
+    #[arg(long, conflicts_with_all = ["reproducible", "write_suite", "notes", "arbitrary", "strict_integers", "case"])]
+    pub prove: bool,
     /// What devices promise, for --reproducible: a shipped profile by name, or a file that `calibrate` wrote
     #[arg(long, value_name = "PROFILE", requires = "reproducible", hide_short_help = true)]
     pub profile: Option<String>,
@@ -118,13 +125,13 @@ pub struct FuzzArgs {
     #[command(flatten)]
     pub sharing: ShardArgs,
     /// Leave out what this file knows, so that only new findings count
-    #[arg(long, value_name = "FILE", conflicts_with = "reproducible", hide_short_help = true)]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["reproducible", "prove"], hide_short_help = true)]
     pub baseline: Option<PathBuf>,
     /// Record all findings and warnings in a file for --baseline
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["baseline", "reproducible"], hide_short_help = true)]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["baseline", "reproducible", "prove"], hide_short_help = true)]
     pub write_baseline: Option<PathBuf>,
     /// Write the report in every format to this folder
-    #[arg(long, value_name = "DIR", conflicts_with = "reproducible")]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["reproducible", "prove"])]
     pub report_dir: Option<PathBuf>,
     /// Format of the result
     #[arg(long, value_parser = reported::parser(), default_value = "text")]
@@ -166,7 +173,7 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
         text.with_prelude(super::prelude(args.prelude.as_deref())).assuming(defines, &mut hosts)
     };
     // A case is of one text, and a suite states no macros.
-    let again = args.case.is_none() && !args.reproducible && !args.write_suite;
+    let again = args.case.is_none() && !args.reproducible && !args.prove && !args.write_suite;
     for path in &files {
         match includes::read_all(path, &reading, stage) {
             Ok(texts) => {
@@ -183,6 +190,10 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     if args.reproducible {
         anyhow::ensure!(shard.is_none(), "--reproducible looks at all functions in one run: leave out --shard");
         return reproducible::run(args, &sources, &stated, out, err, color);
+    }
+    if args.prove {
+        anyhow::ensure!(shard.is_none(), "--prove looks at all compute stages in one run: leave out --shard");
+        return prove::run(args, &sources, out, err, color);
     }
     let printed = sources.iter().find(|s| s.printed);
     if let Some(printed) = printed.filter(|_| args.write_suite) {

@@ -19,6 +19,7 @@ pub mod guess;
 pub mod improve;
 mod input_value;
 pub mod mutate;
+pub mod prove;
 pub mod reproducible;
 pub mod session;
 pub mod shard;

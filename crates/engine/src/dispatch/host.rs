@@ -53,7 +53,7 @@ pub(super) struct Chosen {
     pub name: String,
     pub value: u32,
     /// The memory in which it lies, and its word there.
-    place: (u32, u32),
+    pub place: (u32, u32),
 }
 
 /// Real numbers that a host puts into storage buffers; those of uniform buffers are random.

@@ -18,6 +18,7 @@ mod placeholder;
 mod races;
 mod run;
 mod setting;
+mod shown;
 mod stated;
 mod tell;
 mod widths;
@@ -31,6 +32,7 @@ use program::{Program, Written};
 pub use draft::Drafted;
 pub use placeholder::with_host_numbers;
 pub use run::run;
+pub use shown::Shown;
 pub use stated::open_meaning;
 
 /// Invocations of the largest workgroup that is run; devices have 1,024 at most, or a few more.

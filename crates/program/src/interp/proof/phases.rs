@@ -67,8 +67,7 @@ impl Phases {
 
     /// A fence orders together with the barrier before it, and with the one behind it.
     pub(super) fn fence(&mut self, orders: naga::Barrier) {
-        for (k, kind) in KINDS.into_iter().enumerate().filter(|(_, kind)| orders.contains(*kind)) {
-            let _ = kind;
+        for k in (0..KINDS.len()).filter(|&k| orders.contains(KINDS[k])) {
             self.fenced[k] = true;
             if let Some(last) = &self.any {
                 self.of[k] = Rc::new(vec![last.clone()]);
