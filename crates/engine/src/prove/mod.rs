@@ -130,6 +130,10 @@ fn undecided(
 ) -> Verdict {
     let worked_out = || why.numbers.as_ref().and_then(|numbers| dispatched.shown_with(numbers, memory, command));
     let example = shown.map(|shown| shown.finding.clone()).or_else(worked_out);
+    // Numbers that were worked out are as good as any where the fault does not depend on how they lie to each other.
+    if let Some(finding) = example.clone().filter(|finding| finding.severity == Severity::Finding) {
+        return Verdict::Fault(Box::new(finding));
+    }
     let place = place(&dispatched.program, &dispatched.executable, why.site);
     Verdict::Undecided { why: why.why.clone(), place, example: example.map(Box::new) }
 }
