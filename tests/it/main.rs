@@ -52,6 +52,7 @@ mod planted;
 mod positions;
 mod precision;
 mod probe;
+mod proofs;
 mod readings;
 mod refdata;
 mod refused;
