@@ -34,10 +34,13 @@ impl Walk<'_> {
         all.retain(|length| match length.as_constant() {
             Some(value) => (1..=MOST_ELEMENTS).contains(&value),
             None => {
-                let told = |unknown: Unknown| {
-                    // What an array has to be longer than itself for is out of bounds.
-                    self.variables.is_told(unknown) && !len.has(unknown)
+                // What an array has to be longer than itself for is out of bounds.
+                let is_own = |unknown: Unknown| {
+                    let made = self.variables.made_of(unknown);
+                    len.has(unknown)
+                        || made.is_some_and(|(_, of)| of.iter().any(|own| len.unknowns().any(|l| own.has(l))))
                 };
+                let told = |unknown: Unknown| self.variables.is_told(unknown) && !is_own(unknown);
                 length.unknowns().all(told) && length.terms().all(|(_, count)| count.abs() <= MOST_ELEMENTS)
             }
         });

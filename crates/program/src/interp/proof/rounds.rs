@@ -18,6 +18,9 @@ use super::walk::{Kind, State, Walk, dead, words_written};
 /// Rounds of a loop that are gone through one by one.
 const MOST_ROUNDS: u32 = 40;
 
+/// Instructions of a loop that is gone through so, at most: beyond these, it is taken for any of its rounds at once.
+const MOST_STEPS: usize = 6_000;
+
 /// Times that a loop is gone through to see what of it is the same for a workgroup.
 const MOST_TRIES: usize = 5;
 
@@ -99,12 +102,12 @@ impl<'e> Walk<'e> {
         let mut frame = self.frame(Kind::Loop);
         frame.unrolled = true;
         self.frames.push(frame);
-        let mut ended = false;
+        let (mut ended, before) = (false, self.steps);
         for k in 0..=MOST_ROUNDS {
             self.unrolled.push(k);
             let leaves = self.round(body, continuing, break_if, Scope::Invocation);
             self.unrolled.pop();
-            if self.undecided || self.exhausted {
+            if self.undecided || self.exhausted || self.steps - before > MOST_STEPS {
                 break;
             }
             let left = self.frames.last().is_some_and(|frame| !frame.left.is_empty());

@@ -17,7 +17,7 @@ use super::words::from_bits;
 use crate::Written;
 
 /// Instructions that are gone through, each as often as it is.
-const MOST_STEPS: usize = 400_000;
+const MOST_STEPS: usize = 100_000;
 
 /// Accesses that are noted.
 const MOST_ACCESSES: usize = 3_000;
@@ -99,7 +99,7 @@ pub(super) struct Walk<'e> {
     pub undecided: bool,
     pub written: HashSet<u32>,
     pub resolved: HashMap<usize, (Value, Polynomial)>,
-    steps: usize,
+    pub steps: usize,
 }
 
 impl<'e> Walk<'e> {
