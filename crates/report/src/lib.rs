@@ -20,10 +20,10 @@ pub mod lint;
 pub mod mutate;
 pub mod page;
 #[cfg(feature = "run")]
-#[cfg(feature = "run")]
 pub mod prove;
 #[cfg(feature = "run")]
 pub mod refdata;
+#[cfg(feature = "run")]
 pub mod reproducible;
 mod reviewdog;
 mod sarif;
