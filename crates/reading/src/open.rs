@@ -459,10 +459,14 @@ pub fn declares_elsewhere(shader: &Shader, error: &Diagnostic) -> bool {
     error.why.is_some() || !shader.wgsl().is_some_and(is_whole)
 }
 
-/// True for a name that a module in WGSL lacks and that host code has somewhere: it may put a declaration in front.
+/// True for a name that a module in WGSL lacks and that host code has somewhere: it may put a declaration in front. Of a text in
+/// GLSL, host code looks names up as well, and has to say that it defines this one.
 pub fn is_of_host(project: &Project, shader: &Shader, error: &Diagnostic) -> bool {
     let name = error.file.slice(error.span);
-    let of_wgsl = shader.wgsl().is_some() && errors::is_name(error.code);
+    if !errors::is_name(error.code) || name.is_empty() {
+        return false;
+    }
+    let of_wgsl = shader.wgsl().is_some();
     // A module in a string is itself a part of its host file.
     let own = |host: &HostFile| {
         let rest = error.file.name().strip_prefix(host.file.name());
@@ -472,7 +476,16 @@ pub fn is_of_host(project: &Project, shader: &Shader, error: &Diagnostic) -> boo
         let text = host.file.text();
         text.contains(name) && marks::has_word(text, name) && text.matches(name).count() > own(host)
     };
-    of_wgsl && project.hosts().any(has)
+    if of_wgsl { project.hosts().any(has) } else { project.hosts().any(|host| is_defined_in(host.file.text(), name)) }
+}
+
+/// True for a name in quotes behind what speaks of definitions: `defineVector(out, "plane", v)`, `defines["WIDE"] = n`.
+fn is_defined_in(text: &str, name: &str) -> bool {
+    text.match_indices(name).any(|(at, _)| {
+        let quoted = |quote: char| text[..at].ends_with(quote) && text[at + name.len()..].starts_with(quote);
+        let line = text[..at].rfind('\n').map_or(0, |end| end + 1);
+        (quoted('"') || quoted('\'')) && text[line..at].to_ascii_lowercase().contains("define")
+    })
 }
 
 /// True for an error that is about a name, or at a macro: something in front may declare it.

@@ -56,6 +56,16 @@ fn host_code_may_declare_names_of_its_own_for_those_of_the_language() {
 }
 
 #[test]
+fn host_code_may_define_a_name_whose_value_it_works_out() {
+    let text = "#version 330\nout vec4 t;\nvoid main() { t = vec4(plane); }\n";
+    let host = |line: &str| format!("void g() {{ {line} load(\"a.frag\"); glUseProgram(1); }}\n");
+    for line in ["DefineConst4f(&all, \"plane\", p);", "defines[\"plane\"] = to_string(n);"] {
+        only_on_request(&[("a.frag", text), ("a.cpp", &host(line))], "E020");
+    }
+    by_default(&[("a.frag", text), ("a.cpp", &host("glGetUniformLocation(1, \"plane\");"))], "E020");
+}
+
+#[test]
 fn what_is_filled_in_has_a_name_for_each_variable() {
     let text = |second: &str| {
         format!(
