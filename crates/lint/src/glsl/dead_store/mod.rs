@@ -6,7 +6,8 @@ use base::text::Span;
 use reading::ShaderFile;
 use syntax::Shader;
 use syntax::ast::{ExprId, ExprKind, ItemKind, Stmt, StmtKind};
-use syntax::symbols::{CallTarget, SymbolKind};
+use syntax::interface::Storage;
+use syntax::symbols::{CallTarget, SymbolId, SymbolKind};
 use syntax::types::Type;
 
 use super::variable::part;
@@ -33,20 +34,23 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
             continue;
         }
         let name = part(shader, dead.symbol, u64::MAX);
-        findings.push(
-            findings
-                .at(
-                    &file.file,
-                    dead.span,
-                    message!("the value assigned to `{name}` is never used", "`{name}` に代入した値が使われていません"),
-                )
-                .with_label(message!("no effect", "効果がない"))
-                .with_why(message!(
-                    "on every path the value is overwritten or dropped before it is read",
-                    "どの経路でも、読まれる前に上書きされるか捨てられます"
-                ))
-                .with_help(message!("remove the assignment, or use its value", "代入を削除するか、値を使ってください")),
-        );
+        let mut found = findings
+            .at(
+                &file.file,
+                dead.span,
+                message!("the value assigned to `{name}` is never used", "`{name}` に代入した値が使われていません"),
+            )
+            .with_label(message!("no effect", "効果がない"))
+            .with_why(message!(
+                "on every path the value is overwritten or dropped before it is read",
+                "どの経路でも、読まれる前に上書きされるか捨てられます"
+            ))
+            .with_help(message!("remove the assignment, or use its value", "代入を削除するか、値を使ってください"));
+        // What was worked out for an output was to be seen.
+        if symbol.kind == SymbolKind::Global(Storage::Out) && is_lost_at_once(shader, dead.symbol, dead.expr) {
+            found.severity = Severity::Warning;
+        }
+        findings.push(found);
     }
     if !file.is_sound() {
         return;
@@ -96,17 +100,27 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     }
 }
 
-/// Members of structures that two statements write one after the other, and the second does not read; variables are
-/// followed by their flow.
-fn overwritten(shader: &Shader) -> Vec<(ExprId, ExprId)> {
-    let stored = |s: &Stmt| match s.kind {
-        StmtKind::Expr(id) => match shader.expr(id).kind {
-            ExprKind::Assign { op: None, op_span: _, target, value } => Some((target, value)),
-            _ => None,
-        },
+/// True for an assignment of something that is worked out, where the next statement assigns the same variable as a whole.
+fn is_lost_at_once(shader: &Shader, symbol: SymbolId, assignment: ExprId) -> bool {
+    let assigned = |id: ExprId| match shader.expr(id).kind {
+        ExprKind::Assign { op: None, op_span: _, target, value } if shader.symbol_of(target) == Some(symbol) => {
+            Some(value)
+        }
         _ => None,
     };
-    let member = |id: ExprId| matches!(shader.expr(id).kind, ExprKind::Field { base, .. } if matches!(shader.type_of(base), Type::Struct(_)));
+    let worked_out = |value: ExprId| {
+        let is_name = |id: ExprId| matches!(shader.expr(id).kind, ExprKind::Name(_));
+        expressions(shader, value).into_iter().any(is_name)
+    };
+    let lost = |pair: &[Stmt]| match (&pair[0].kind, &pair[1].kind) {
+        (StmtKind::Expr(first), StmtKind::Expr(second)) => *first == assignment && assigned(*second).is_some(),
+        _ => false,
+    };
+    assigned(assignment).is_some_and(worked_out) && lists(shader).iter().any(|list| list.windows(2).any(lost))
+}
+
+/// The statements of each function and block.
+fn lists(shader: &Shader) -> Vec<&[Stmt]> {
     let mut lists: Vec<&[Stmt]> = Vec::new();
     for item in &shader.unit().items {
         if let ItemKind::Function(function) = &item.kind {
@@ -118,8 +132,22 @@ fn overwritten(shader: &Shader) -> Vec<(ExprId, ExprId)> {
             lists.push(&block.statements);
         }
     });
+    lists
+}
+
+/// Members of structures that two statements write one after the other, and the second does not read; variables are
+/// followed by their flow.
+fn overwritten(shader: &Shader) -> Vec<(ExprId, ExprId)> {
+    let stored = |s: &Stmt| match s.kind {
+        StmtKind::Expr(id) => match shader.expr(id).kind {
+            ExprKind::Assign { op: None, op_span: _, target, value } => Some((target, value)),
+            _ => None,
+        },
+        _ => None,
+    };
+    let member = |id: ExprId| matches!(shader.expr(id).kind, ExprKind::Field { base, .. } if matches!(shader.type_of(base), Type::Struct(_)));
     let mut found = Vec::new();
-    for pair in lists.iter().flat_map(|l| l.windows(2)) {
+    for pair in lists(shader).into_iter().flat_map(|list| list.windows(2)) {
         let (Some((first, _)), Some((second, value))) = (stored(&pair[0]), stored(&pair[1])) else { continue };
         let same = key(shader, first).is_some_and(|k| Some(k) == key(shader, second));
         // A call may read what was written.
@@ -156,6 +184,7 @@ fn behind_jump(list: &[Stmt], wgsl: bool) -> Option<Span> {
 #[cfg(test)]
 mod tests {
     use super::super::testing::messages;
+    use base::diagnostic::Severity;
 
     #[test]
     fn members_that_the_next_statement_overwrites_are_reported() {
@@ -192,6 +221,19 @@ mod tests {
         ] {
             assert_eq!(reported(body), 1, "{body}");
         }
+    }
+
+    #[test]
+    fn an_output_that_is_lost_at_once_is_a_warning() {
+        let of = |body: &str| {
+            let text = format!("#version 150 core\nin vec4 q;\nout vec4 c;\nvoid main(void)\n{{\n  {body}\n}}\n");
+            let found = crate::run(&[crate::Input::new(base::text::SourceFile::new("a.frag", text))]);
+            found.into_iter().filter(|d| d.code.0 == "D010").map(|d| d.severity).collect::<Vec<_>>()
+        };
+        assert_eq!(of("c = q * 2.0; c = q;"), [Severity::Warning]);
+        assert_eq!(of("c = vec4(0.0); c = q;"), [Severity::Info]);
+        assert_eq!(of("c = q * 2.0; vec4 d = q; c = d;"), [Severity::Info]);
+        assert_eq!(of("c = q * 2.0; c = c * q;"), []);
     }
 
     #[test]
