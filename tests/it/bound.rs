@@ -233,3 +233,15 @@ fn memory_behind_an_address_is_fed_and_watched() {
     let list = kernel("Sum own = sum; for (int k = 0; k < 4; ++k) { own.total = 1u; own = Sum(uvec2(own.total)); }");
     assert!(list.out.contains("the member `sum`, whose type is one of an extension"), "{list:?}");
 }
+
+/// Memory is left as it was where a function or a stage in WGSL returns before it writes.
+#[test]
+fn memory_that_an_early_return_leaves_alone_has_its_value() {
+    let text = "@group(0) @binding(0) var<storage, read_write> line: array<f32>;\n\
+                fn delayed(input: f32, at: u32, wet: f32) -> f32 {\n  if (wet < 0.01) { return input; }\n\
+                for (var k = 0u; k < 4u; k++) { if (k == at) { let x = line[k]; line[k] = FAULT; return x; } }\n\
+                return input;\n}\n\
+                @compute @workgroup_size(1) fn main(@builtin(global_invocation_id) id: vec3u) {\n\
+                if (id.x >= arrayLength(&line)) { return; }\n  let x = line[id.x];\n  line[id.x] = FAULT;\n}\n";
+    told(&both("a.wgsl", text, ""), NO_VALUE);
+}

@@ -194,17 +194,44 @@ pub(super) fn inside(module: &mut Module, ty: Handle<Type>, index: u32) -> Handl
     module.types.insert(Type { name: None, inner }, Span::UNDEFINED)
 }
 
-/// The entry point of a built module ends with its last statement.
+/// Copies a variable wherever the function ends.
 fn copy_at_end(function: &mut Function, from: Handle<GlobalVariable>, to: Handle<GlobalVariable>) {
     let source = function.expressions.append(Expression::GlobalVariable(from), Span::UNDEFINED);
     let target = function.expressions.append(Expression::GlobalVariable(to), Span::UNDEFINED);
-    let value = function.expressions.append(Expression::Load { pointer: source }, Span::UNDEFINED);
-    let mut block = Block::new();
-    block.push(Statement::Emit(Range::new_from_bounds(value, value)), Span::UNDEFINED);
-    block.push(Statement::Store { pointer: target, value }, Span::UNDEFINED);
-    let ends = matches!(function.body.last(), Some(Statement::Return { .. }));
-    let at = function.body.len() - usize::from(ends);
-    function.body.splice(at..at, block);
+    let Function { body, expressions, .. } = function;
+    let mut copy = || {
+        let value = expressions.append(Expression::Load { pointer: source }, Span::UNDEFINED);
+        let mut block = Block::new();
+        block.push(Statement::Emit(Range::new_from_bounds(value, value)), Span::UNDEFINED);
+        block.push(Statement::Store { pointer: target, value }, Span::UNDEFINED);
+        block
+    };
+    before_returns(body, &mut copy);
+    if !matches!(body.last(), Some(Statement::Return { .. })) {
+        let at = body.len();
+        body.splice(at..at, copy());
+    }
+}
+
+/// Puts statements in front of each `return`.
+fn before_returns(block: &mut Block, made: &mut dyn FnMut() -> Block) {
+    for statement in block.iter_mut() {
+        match statement {
+            Statement::Block(inner) => before_returns(inner, made),
+            Statement::If { accept, reject, .. } => {
+                before_returns(accept, made);
+                before_returns(reject, made);
+            }
+            Statement::Switch { cases, .. } => cases.iter_mut().for_each(|case| before_returns(&mut case.body, made)),
+            Statement::Loop { body, .. } => before_returns(body, made),
+            _ => {}
+        }
+    }
+    let ends = matches!(block.last(), Some(Statement::Return { .. }));
+    if ends {
+        let at = block.len() - 1;
+        block.splice(at..at, made());
+    }
 }
 
 /// Lengths become numbers, and atomic functions ordinary ones: nobody else is there.
