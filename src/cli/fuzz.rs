@@ -311,15 +311,16 @@ pub(super) fn subjects(
     };
     let mut doubtful = reading::open::doubtful(&parsed.shader, &errors, errors::Around::empty());
     // Who puts a version in front may declare more there, but for what is nearly a name of the text.
-    if !errors.is_empty() && !source.is_versioned(define) {
+    if !errors.is_empty() && source.is_looked_for() && !source.is_versioned(define) {
         let of_host = |error: &Diagnostic| reading::open::is_about_a_name(error) && !source.is_slip(error);
         let made = |error: &Diagnostic| source.may_be_made(error, define);
         doubtful.iter_mut().zip(&errors).for_each(|(doubtful, error)| *doubtful |= of_host(error) || made(error));
     }
     // What the linter does not tell either, since something that nobody stated decides.
     let unsure = doubtful.iter().all(|doubtful| *doubtful);
-    // A text in another language is told where it is named.
-    let is_told = errors.iter().any(|error| error.code == errors::OTHER_LANGUAGE);
+    // A text in another language is told where it is named, and so is what nobody looked for.
+    let is_told = errors.iter().any(|error| error.code == errors::OTHER_LANGUAGE)
+        || (!source.is_looked_for() && !parsed.shader.lacking().is_empty());
     // What a file that is not there would change, nobody knows.
     let of_file =
         |error: &Diagnostic| Diagnostic { message: parsed.shader.file().slice(error.span).into(), ..error.clone() };

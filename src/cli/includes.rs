@@ -47,6 +47,8 @@ pub struct IncludedText {
     addresses: Option<String>,
     /// One buffer stands for several that it writes.
     shares: bool,
+    /// What it lacks was looked for.
+    looked_for: bool,
     /// What to tell of what its host fills in.
     filled: Vec<String>,
     /// Names that stand for what its host fills in.
@@ -113,6 +115,7 @@ pub fn with_includes(file: &SourceFile, path: &Path, given: &Given<'_>) -> anyho
         version: None,
         addresses: None,
         shares: false,
+        looked_for: false,
         filled: Vec::new(),
         made_up: Vec::new(),
         open: None,
@@ -220,6 +223,11 @@ impl IncludedText {
     /// The macros of the command line, and those that stand for what a build or a host may give.
     pub fn macros(&self, defines: &[(String, String)]) -> Vec<(String, String)> {
         defines.iter().cloned().chain(self.completed.macros()).collect()
+    }
+
+    /// Whether names that the text lacks were looked for, so that those that are left are its host's.
+    pub fn is_looked_for(&self) -> bool {
+        self.looked_for
     }
 
     /// Whether the text states a version, so that no host puts anything in front of it.
@@ -335,7 +343,7 @@ impl IncludedText {
             Some((_, Unfolded { note, shares, .. })) => (Some(note), shares),
             None => (None, false),
         };
-        Self { completed, version, addresses, shares, ..self }
+        Self { completed, version, addresses, shares, looked_for: true, ..self }
     }
 
     /// The same with what stands for declarations, and values of constants, that a text in WGSL lacks. A slip stays an error.
