@@ -32,12 +32,10 @@ fn check(file: &ShaderFile, module: &Module, findings: &mut Findings<'_>) {
     for entry in &module.entry_points {
         let Type::Struct(output) = &shader.function_info(entry.function).return_type else { continue };
         let returned = returned.get_or_insert_with(|| values_returned(shader));
-        for (place, variable) in &module.locals {
-            let plain = variable.value.is_none() && !variable.name.name.is_empty();
-            let symbol =
-                shader.symbols().find(|(_, s)| s.span.is_some_and(|span| span.start == *place)).map(|(id, _)| id);
-            let Some(symbol) = symbol.filter(|_| plain) else { continue };
-            if !matches!(&shader.symbol(symbol).ty, Type::Struct(own) if own.name == output.name) {
+        for (symbol, info) in shader.symbols() {
+            let local = info.span.and_then(|span| module.locals.get(&span.start));
+            let Some(variable) = local.filter(|variable| variable.value.is_none()) else { continue };
+            if !matches!(&info.ty, Type::Struct(own) if own.name == output.name) {
                 continue;
             }
             let Some(written) = members_named(shader, symbol, entry.function, returned) else { continue };
@@ -108,14 +106,12 @@ fn members_named<'s>(
 
 /// True for a member that another function reads.
 fn is_read(shader: &Shader, structure: &str, member: &str, except: FunctionId) -> bool {
-    shader.uses().iter().any(|u| {
-        let of = matches!(&shader.symbol(u.symbol).ty, Type::Struct(own) if own.name == structure);
-        of && u.function != Some(except) && u.access.reads() && {
-            shader.arena().iter().any(|(_, expr)| {
-                matches!(&expr.kind, ExprKind::Field { base, field } if *base == u.expr && field.name == member)
-            })
-        }
-    })
+    let of = |symbol| matches!(&shader.symbol(symbol).ty, Type::Struct(own) if own.name == structure);
+    let elsewhere = shader.uses().iter().filter(|u| u.function != Some(except) && u.access.reads() && of(u.symbol));
+    let reads: HashSet<ExprId> = elsewhere.map(|u| u.expr).collect();
+    shader.arena().iter().any(
+        |(_, expr)| matches!(&expr.kind, ExprKind::Field { base, field } if reads.contains(base) && field.name == member),
+    )
 }
 
 #[cfg(test)]
