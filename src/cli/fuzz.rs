@@ -27,8 +27,9 @@ use crate::cli::waiting::Waiting;
 use base::diagnostic::{Diagnostic, Severity};
 use base::{did_you_mean, nearest};
 use engine::fuzz::{self, BadHint, Domain, Stated, Subject};
+use engine::suite::run::signal_name;
 use judge::profile::Promises;
-use lanes::{Lane, StandIn, Wanted};
+use lanes::{Lane, StandIn, Wanted, interrupt};
 use program::{ProgramError, Written};
 use syntax::errors;
 
@@ -212,6 +213,22 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     args.sharing.run(&mut functions, part, key, &mut lines)
 }
 
+/// The exit status of a report of its own, `broken` where a text does not compile; says on `err` what cut it short, or that
+/// there was `nothing` to report.
+fn ended(err: &mut dyn Write, broken: bool, found: bool, nothing: Option<&str>) -> anyhow::Result<ExitStatus> {
+    Ok(if let Some(signal) = interrupt::signal() {
+        writeln!(err, "error: the run was interrupted by {}; this is what was found until then", signal_name(signal))?;
+        ExitStatus::Interrupted(signal)
+    } else if broken || found {
+        ExitStatus::Findings
+    } else if let Some(nothing) = nothing {
+        writeln!(err, "error: {nothing}")?;
+        ExitStatus::Error
+    } else {
+        ExitStatus::Clean
+    })
+}
+
 /// Every function that is asked for has to be there.
 pub(super) fn all_known(functions: &[String], known: &[String]) -> anyhow::Result<()> {
     let unknown = functions.iter().find(|name| !known.iter().any(|k| k == *name || base(k) == name.as_str()));
@@ -313,8 +330,9 @@ pub(super) fn subjects(
     // Who puts a version in front may declare more there, but for what is nearly a name of the text.
     if !errors.is_empty() && source.is_looked_for() && !source.is_versioned(define) {
         let of_host = |error: &Diagnostic| reading::open::is_about_a_name(error) && !source.is_slip(error);
-        let made = |error: &Diagnostic| source.may_be_made(error, define);
-        doubtful.iter_mut().zip(&errors).for_each(|(doubtful, error)| *doubtful |= of_host(error) || made(error));
+        let made = source.made_by_names(&errors, define);
+        let open = errors.iter().zip(made).map(|(error, made)| made || of_host(error));
+        doubtful.iter_mut().zip(open).for_each(|(doubtful, open)| *doubtful |= open);
     }
     // What the linter does not tell either, since something that nobody stated decides.
     let unsure = doubtful.iter().all(|doubtful| *doubtful);

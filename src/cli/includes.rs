@@ -1,6 +1,7 @@
 //! Shader files with their includes, for commands that run them.
 
 use std::cell::RefCell;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
@@ -235,11 +236,15 @@ impl IncludedText {
         Shader::parse_with(&self.file, self.stage, defines).shader.version().span.is_some()
     }
 
-    /// True for an error of a piece that may come of what stands for names which it lacks.
-    pub fn may_be_made(&self, error: &Diagnostic, defines: &[(String, String)]) -> bool {
+    /// Errors of a piece that may come of what stands for names which it lacks, of all that were found.
+    pub fn made_by_names(&self, errors: &[Diagnostic], defines: &[(String, String)]) -> Vec<bool> {
+        if !self.completed.is_partial {
+            return vec![false; errors.len()];
+        }
         let known = |of: &Diagnostic| (of.code, of.message.to_string(), of.file.locate(of.span.start));
-        let plain = || self.parsed_with(defines, &Completed::default()).diagnostics;
-        self.completed.is_partial && plain().iter().all(|own| known(own) != known(error))
+        let plain = self.parsed_with(defines, &Completed::default()).diagnostics;
+        let own: HashSet<_> = plain.iter().map(known).collect();
+        errors.iter().map(|error| !own.contains(&known(error))).collect()
     }
 
     fn parsed_with(&self, defines: &[(String, String)], completed: &Completed) -> Parsed {
@@ -337,9 +342,12 @@ impl IncludedText {
         let runs = !found.is_partial || spared::runs(&self, &found, defines);
         let completed = if runs { found } else { Completed::default() };
         let version = self.assumed_version(defines);
-        let all: Vec<(String, String)> = defines.iter().cloned().chain(completed.macros()).collect();
-        let plain = read_glsl(&completed.put(&self.file), self.stage, &all);
-        let (addresses, shares) = match self.unfolded(&plain, &all) {
+        // Few texts have addresses, and the others need not be read once more.
+        let unfolded = self.file.text().contains("buffer_reference").then(|| {
+            let all: Vec<(String, String)> = defines.iter().cloned().chain(completed.macros()).collect();
+            self.unfolded(&read_glsl(&completed.put(&self.file), self.stage, &all), &all)
+        });
+        let (addresses, shares) = match unfolded.flatten() {
             Some((_, Unfolded { note, shares, .. })) => (Some(note), shares),
             None => (None, false),
         };

@@ -2,12 +2,11 @@
 
 use std::io::Write;
 
-use super::{FuzzArgs, IncludedText, all_known, command, subjects};
+use super::{FuzzArgs, IncludedText, all_known, command, ended, subjects};
 use crate::cli::reported::Reported;
 use crate::cli::status::ExitStatus;
 use base::diagnostic::Lang;
 use engine::prove;
-use engine::suite::run::signal_name;
 use lanes::interrupt;
 use report::prove::{Summary, json, text};
 
@@ -58,15 +57,6 @@ pub(super) fn run(
         Reported::Json | Reported::Service(_) => json(&summary),
     };
     out.write_all(printed.as_bytes())?;
-    Ok(if let Some(signal) = interrupt::signal() {
-        writeln!(err, "error: the run was interrupted by {}; this is what was found until then", signal_name(signal))?;
-        ExitStatus::Interrupted(signal)
-    } else if broken || summary.has_findings() {
-        ExitStatus::Findings
-    } else if summary.kernels.is_empty() {
-        writeln!(err, "error: there is no compute stage that could be looked at")?;
-        ExitStatus::Error
-    } else {
-        ExitStatus::Clean
-    })
+    let nothing = summary.kernels.is_empty().then_some("there is no compute stage that could be looked at");
+    ended(err, broken, summary.has_findings(), nothing)
 }

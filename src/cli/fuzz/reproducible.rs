@@ -2,14 +2,13 @@
 
 use std::io::Write;
 
-use super::{FuzzArgs, IncludedText, Inputs, all_known, command, subjects};
+use super::{FuzzArgs, IncludedText, Inputs, all_known, command, ended, subjects};
 use crate::cli::check::profile;
 use crate::cli::reported::Reported;
 use crate::cli::status::ExitStatus;
 use base::diagnostic::Lang;
 use engine::fuzz::Stated;
 use engine::reproducible::{self, Request};
-use engine::suite::run::signal_name;
 use lanes::{Lane, interrupt};
 use report::reproducible::{Summary, json, text};
 
@@ -82,15 +81,6 @@ pub(super) fn run(
         Reported::Json | Reported::Service(_) => json(&summary),
     };
     out.write_all(printed.as_bytes())?;
-    Ok(if let Some(signal) = interrupt::signal() {
-        writeln!(err, "error: the run was interrupted by {}; this is what was found until then", signal_name(signal))?;
-        ExitStatus::Interrupted(signal)
-    } else if broken || summary.has_findings() {
-        ExitStatus::Findings
-    } else if summary.functions.is_empty() {
-        writeln!(err, "error: nothing could be run")?;
-        ExitStatus::Error
-    } else {
-        ExitStatus::Clean
-    })
+    let nothing = summary.functions.is_empty().then_some("nothing could be run");
+    ended(err, broken, summary.has_findings(), nothing)
 }
