@@ -119,6 +119,7 @@ impl Pool {
         self.zero[at] = false;
     }
 
+    #[inline]
     pub(super) fn get(&self, at: usize) -> &Slots {
         if self.zero[at] { &ZEROS } else { &self.columns[at] }
     }
@@ -166,6 +167,7 @@ impl<'a> Others<'a> {
     }
 
     /// A column other than the one that was split off.
+    #[inline]
     pub(super) fn get(&self, at: usize) -> &'a Slots {
         match at.checked_sub(self.before.len() + 1) {
             _ if self.zero[at] => &ZEROS,

@@ -151,23 +151,26 @@ fn column2(op: Op, x: Pair<'_>, y: Pair<'_>, flushes: [bool; 2], out: &mut Out2<
                 image2(Op::Max, (x, reach(x, ex, flushes[0])), (y, reach(y, ey, flushes[1])))
             });
         }),
-        Op::Pow => power(x, y, flushes, growth, out),
+        Op::Pow => {
+            let mut ln = [0.0; SLOTS];
+            number::LN.column(x.0, &mut ln);
+            power(x, y, &ln, flushes, growth, out);
+        }
         _ => return false,
     }
     true
 }
 
-/// x^y; see [`image2`]. `grow` puts e^t − 1 or more in the place of numbers t.
+/// x^y; see [`image2`]. `ln` holds the logarithms of x; `grow` puts e^t − 1 or more in the place of numbers t.
 pub(super) fn power(
     (x, ex): Pair<'_>,
     (y, ey): Pair<'_>,
+    ln: &Slots,
     flushes: [bool; 2],
     grow: impl Fn(&mut Slots),
     out: &mut Out2<'_>,
 ) {
     let (ex, ey) = (reaches((x, ex), flushes[0]), reaches((y, ey), flushes[1]));
-    let mut ln = [0.0; SLOTS];
-    number::LN.column(x, &mut ln);
     number::POW.column(x, y, out.value);
     let Out2 { value, moves, slopes: [along_x, along_y], bends: [bend_x, bend_y] } = out;
     number::wide(|| {

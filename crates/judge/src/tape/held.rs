@@ -56,7 +56,11 @@ impl HeldNodes {
                 free.push(old);
             }
         }
-        free.extend(fresh.drain(..).filter(|&id| id != 0 && counts[id as usize] == 0));
+        while let Some(id) = fresh.pop() {
+            if id != 0 && counts[id as usize] == 0 {
+                free.push(id);
+            }
+        }
     }
 }
 

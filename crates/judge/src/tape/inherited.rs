@@ -59,17 +59,24 @@ fn root_by_inverse(model: &Model<'_>, x: Arg<'_>, value: &Slots, carried: &Slots
     });
 }
 
-/// Local error of x^y. `grow` puts e^t − 1 or more in the place of numbers t.
+/// The binary logarithm of a column, which the definition of x^y has.
+pub(super) fn logarithm_of(x: &Slots) -> Slots {
+    let mut logarithm = [0.0; SLOTS];
+    number::LOG2.column(x, &mut logarithm);
+    logarithm
+}
+
+/// Local error of x^y. `logarithm` is that of x to base 2; `grow` puts e^t − 1 or more in the place of numbers t.
 pub(super) fn power(
     model: &Model<'_>,
     args: [Arg<'_>; 2],
-    value: &Slots,
-    carried: &Slots,
+    logarithm: &Slots,
+    (value, carried): (&Slots, &Slots),
     grow: impl Fn(&mut [f64]),
     local: &mut Slots,
 ) {
     if model.definition(Op::Pow).is_some() {
-        power_by_exp2(model, args, (value, carried), grow, local);
+        power_by_exp2(model, args, logarithm, (value, carried), grow, local);
     } else {
         model.local(Op::Pow, &args, value, carried, local);
     }
@@ -119,7 +126,8 @@ pub(super) fn power_at_zero(model: &Model<'_>, args: [Arg<'_>; 2], out: Out2<'_>
     let largest: Slots = std::array::from_fn(|slot| or(slot, top(x, slot), x.value[slot]));
     let exact: Slots = std::array::from_fn(|slot| or(slot, 0.0, x.radius[slot]));
     let moves: Slots = std::array::from_fn(|slot| or(slot, 0.0, out.moves[slot]));
-    power(model, [Arg { value: &largest, radius: &exact }, y], &most, &moves, number::exp_m1_all, local);
+    let args = [Arg { value: &largest, radius: &exact }, y];
+    power(model, args, &logarithm_of(&largest), (&most, &moves), number::exp_m1_all, local);
     for slot in (0..SLOTS).filter(|&slot| zero[slot]) {
         local[slot] = 2.0 * local[slot] + 2f64.powi(-18) * (1.0 + y.value[slot] + y.radius[slot]) * most[slot];
     }
@@ -129,16 +137,15 @@ pub(super) fn power_at_zero(model: &Model<'_>, args: [Arg<'_>; 2], out: Out2<'_>
 fn power_by_exp2(
     model: &Model<'_>,
     args: [Arg<'_>; 2],
+    logarithm: &Slots,
     (value, carried): (&Slots, &Slots),
     grow: impl Fn(&mut [f64]),
     local: &mut Slots,
 ) {
     let [x, y] = args;
-    let mut logarithm = [0.0; SLOTS];
     let mut exponent = [0.0; SLOTS];
     let (mut by_log, mut by_product, mut by_power) = ([0.0; SLOTS], [0.0; SLOTS], [0.0; SLOTS]);
     let mut log_moves = [0.0; SLOTS];
-    number::LOG2.column(x.value, &mut logarithm);
     number::wide(|| {
         for slot in 0..SLOTS {
             let (x, e) = (x.value[slot], x.radius[slot]);
@@ -147,7 +154,7 @@ fn power_by_exp2(
             exponent[slot] = y.value[slot] * logarithm[slot];
         }
     });
-    model.local(Op::Log2, &[x], &logarithm, &log_moves, &mut by_log);
+    model.local(Op::Log2, &[x], logarithm, &log_moves, &mut by_log);
     let mut product_moves = [0.0; SLOTS];
     number::wide(|| {
         for slot in 0..SLOTS {
@@ -155,7 +162,7 @@ fn power_by_exp2(
             product_moves[slot] = (y.value[slot].abs() + y.radius[slot]) * log + y.radius[slot] * logarithm[slot].abs();
         }
     });
-    let log = Arg { value: &logarithm, radius: &by_log };
+    let log = Arg { value: logarithm, radius: &by_log };
     model.local(Op::Mul, &[log, y], &exponent, &product_moves, &mut by_product);
     let (mut exponent_moves, mut inside) = ([0.0; SLOTS], [0.0; SLOTS]);
     let mut power_moves = [0.0; SLOTS];

@@ -5,7 +5,7 @@ use super::arena::{Id, Meta, NodeKind, Slots};
 use super::columns::{images_of_one, images_of_two};
 use super::definitions::Definitions;
 use super::functions::{is_not_negative, is_not_negative_of};
-use super::inherited::{at_zero, function, power, power_at_zero};
+use super::inherited::{at_zero, function, logarithm_of, power, power_at_zero};
 use super::kernels::{self, KernelNode, Once, Out1, Out2, or_infinite};
 use super::model::Arg;
 use super::paths::PathStep;
@@ -266,7 +266,7 @@ impl Tape<'_> {
         if op == Op::Pow && left.not_negative && at_zero(args, active, &mut out) {
             power_at_zero(&self.model, args, out, local);
         } else if op == Op::Pow {
-            power(&self.model, args, value, carried, number::exp_m1_all, local);
+            power(&self.model, args, &logarithm_of(x), (value, carried), number::exp_m1_all, local);
         } else {
             self.model.local(op, &args, value, carried, local);
         }

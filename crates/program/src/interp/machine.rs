@@ -146,12 +146,12 @@ impl<'e, D: Domain> Machine<'e, D> {
     fn fill(&mut self, batch: &Batch) {
         let (words, case_words) = (batch.invocation_record.words(), batch.case_record.words());
         let own: [usize; SLOTS] = std::array::from_fn(|slot| self.invocations[slot] * words);
-        let of_case: [usize; SLOTS] = std::array::from_fn(|slot| self.invocations[slot] / batch.per_case * case_words);
+        let runs = Runs::of(&self.invocations, batch.per_case, case_words);
         let mut column = [0; SLOTS];
         for fill in &self.executable.fills {
             match fill.source {
                 WordSource::Invocation(word) => gather(&batch.invocations[word as usize..], &own, &mut column),
-                WordSource::Case(word) => gather(&batch.cases[word as usize..], &of_case, &mut column),
+                WordSource::Case(word) => runs.spread(&batch.cases[word as usize..], &mut column),
             }
             if fill.half {
                 column = column.map(|word| super::halved(f32::from_bits(word)).to_bits());
@@ -374,6 +374,36 @@ impl<'e, D: Domain> Machine<'e, D> {
         // Outputs are undefined behind EmitVertex (GLSL 4.60, 8.15): whatever is read again shows.
         for k in 0..self.executable.outputs.len() {
             self.poison(self.executable.outputs[k], self.active);
+        }
+    }
+}
+
+/// Slots side by side that have one case: its words are read once for each of them.
+struct Runs {
+    /// Where the words of a case begin, and the slot behind the last one that has it.
+    ends: [(usize, usize); SLOTS],
+    count: usize,
+}
+
+impl Runs {
+    fn of(invocations: &[usize; SLOTS], per_case: usize, words: usize) -> Self {
+        let mut runs = Self { ends: [(0, 0); SLOTS], count: 0 };
+        let mut last = None;
+        for (slot, invocation) in invocations.iter().enumerate() {
+            let case = invocation / per_case;
+            if last.replace(case) != Some(case) {
+                runs.count += 1;
+            }
+            runs.ends[runs.count - 1] = (case * words, slot + 1);
+        }
+        runs
+    }
+
+    fn spread(&self, words: &[u32], column: &mut Words) {
+        let mut from = 0;
+        for &(at, end) in &self.ends[..self.count] {
+            column[from..end].fill(words[at]);
+            from = end;
         }
     }
 }

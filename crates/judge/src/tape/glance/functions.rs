@@ -3,7 +3,7 @@
 use super::super::columns::{self, images_of_one, images_of_two};
 use super::super::definitions::Definitions;
 use super::super::functions::{is_not_negative, is_not_negative_of};
-use super::super::inherited::{function, power};
+use super::super::inherited::{function, logarithm_of, power};
 use super::super::kernels::{Out1, Out2, farther};
 use super::super::model::{Arg, BINARY64, Model};
 use super::super::rounded::either_side;
@@ -11,6 +11,7 @@ use super::{Glance, Id, Mask, Node, SLOTS, Slots, ZEROS, largest};
 use crate::profile::Op;
 use crate::profile::grid::{MAX_FINITE, MIN_NORMAL};
 use program::interp::Site;
+use std::f64::consts::LN_2;
 
 /// Radii of which the largest is so many times their mean are kept slot by slot.
 const UNEVEN: f64 = 8.0;
@@ -70,18 +71,23 @@ impl Definitions for Glance<'_> {
         let mut images = Images::new();
         let Images { moves, slopes: [sx, sy], bends: [bx, by], local, own } = &mut images;
         let mut out = Out2 { value: &mut *value, moves, slopes: [sx, sy], bends: [bx, by] };
+        let logarithm = if op == Op::Pow { logarithm_of(x) } else { ZEROS };
         match op {
-            Op::Pow => columns::power((x, &ex), (y, &ey), [flushes; 2], |t| grown(t), &mut out),
+            Op::Pow => {
+                let mut ln = ZEROS;
+                number::map(&logarithm, &mut ln, |log| log * LN_2);
+                columns::power((x, &ex), (y, &ey), &ln, [flushes; 2], |t| grown(t), &mut out);
+            }
             _ => images_of_two(op, active, (x, &ex), (y, &ey), ([flushes; 2], flushes), &mut out),
         }
         // At exact arguments nothing may be more than it is.
-        let [within, exactly]: [fn(&mut [f64]); 2] = [grown, number::exp_m1_all];
+        let [within, exactly]: [fn(&mut [f64]); 2] = [grown, surely_grown];
         for ([ex, ey], carried, grow, error) in
             [([&ex, &ey], &*moves, within, local), ([&ZEROS; 2], &ZEROS, exactly, own)]
         {
             let args = [Arg { value: x, radius: ex }, Arg { value: y, radius: ey }];
             match op {
-                Op::Pow => power(&self.model, args, value, carried, grow, error),
+                Op::Pow => power(&self.model, args, &logarithm, (value, carried), grow, error),
                 _ => self.model.local(op, &args, value, carried, error),
             }
         }
@@ -237,6 +243,11 @@ fn grown(column: &mut [f64]) {
     number::wide(|| column.iter_mut().for_each(|t| *t = at_least_growth(*t)));
 }
 
+/// At most e^t − 1 for t ≥ 0, by the first terms of its series.
+fn surely_grown(column: &mut [f64]) {
+    number::wide(|| column.iter_mut().for_each(|t| *t += 0.5 * *t * *t));
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -250,6 +261,12 @@ mod tests {
             assert!(found <= 8.0 * exact * (1.0 + t) || t > 64.0, "{t}: {found} against {exact}");
         }
         assert_eq!(at_least_growth(0.0), 0.0);
+        for k in 0..4000 {
+            let mut column = [2f64.powf(f64::from(k) / 100.0 - 32.0)];
+            let exact = column[0].exp_m1();
+            surely_grown(&mut column);
+            assert!(column[0] <= exact * (1.0 + 1e-15), "{} against {exact}", column[0]);
+        }
         assert!(at_least_growth(f64::NAN) == f64::INFINITY && at_least_growth(f64::INFINITY) == f64::INFINITY);
     }
 }

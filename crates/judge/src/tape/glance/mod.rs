@@ -22,7 +22,7 @@ use super::model::Model;
 use super::tangent::ROUNDING;
 use super::{Column, Literal};
 use crate::profile::Op;
-use program::interp::{Mask, SLOTS};
+use program::interp::{Mask, SLOTS, Words};
 
 /// The domain.
 pub struct Glance<'p> {
@@ -180,6 +180,29 @@ impl<'p> Glance<'p> {
         (id, !special)
     }
 
+    /// The same for words of binary32, which are compared as whole numbers: there are more inputs than operations in some
+    /// programs.
+    fn leaf_of_words(&mut self, words: &Words) -> Id {
+        const SIGN: u32 = 1 << 31;
+        let (most, negative) = number::wide(|| {
+            let (mut most, mut negative) = (0, 0);
+            for &word in words {
+                most = most.max(word & !SIGN);
+                // Beyond −0.
+                negative |= u32::from(word > SIGN);
+            }
+            (f32::from_bits(most), negative)
+        });
+        if !most.is_finite() {
+            return self.leaf_of_numbers(|value| number::map(words, value, |word| f64::from(f32::from_bits(word))));
+        }
+        let id = self.node(Node { most: f64::from(most), ..Node::new(negative == 0, Mask::NONE) });
+        self.value.renew(id as usize);
+        self.hold_still(id);
+        number::map(words, self.value.get_mut(id as usize), |word| f64::from(f32::from_bits(word)));
+        id
+    }
+
     /// The same for a column from outside, of which slots without a number are lost.
     fn leaf_of_numbers(&mut self, value: impl FnOnce(&mut Slots)) -> Id {
         let (id, numbers) = self.leaf(value);
@@ -244,9 +267,17 @@ impl<'p> Glance<'p> {
 
     /// The sources of a new node, with its own error where it has one; and whether those of its arguments are apart.
     fn gather_sources(&mut self, id: Id, args: [Id; 2], errs: bool) -> bool {
-        let [a, b] = args.map(|id| self.sources[id as usize]);
-        let apart = !a.meets(&b);
-        let mut sources = a.or(&b);
+        let (mut sources, mut apart) = (Sources::default(), true);
+        match args.map(|id| self.moves(id)) {
+            [true, true] => {
+                let [a, b] = args.map(|id| &self.sources[id as usize]);
+                apart = !a.meets(b);
+                sources = a.or(b);
+            }
+            [true, false] => sources = self.sources[args[0] as usize],
+            [false, true] => sources = self.sources[args[1] as usize],
+            [false, false] => {}
+        }
         if errs {
             sources.insert(self.erring);
             self.erring += 1;
