@@ -1,10 +1,7 @@
 //! Faults of dispatches, each beside a program without it.
 
-use super::super::tests::wgsl;
-use super::super::{Executable, Subject};
+use super::super::tests::kernel;
 use super::{Access, Buffer, Dispatch, Outcome, Turn, Turns, Wrong};
-use crate::Entry;
-use naga::{AddressSpace, Binding};
 
 /// Runs the only entry point of a text with one buffer of so many words, in two workgroups.
 fn run(text: &str, words: u32, zeroed: bool) -> Outcome {
@@ -18,42 +15,12 @@ fn run_in(text: &str, words: u32, zeroed: bool, subgroup: u32) -> Outcome {
 
 /// The same with further choices.
 fn run_with(text: &str, words: u32, zeroed: bool, choose: impl FnOnce(&mut Dispatch<'_>)) -> Outcome {
-    let (module, info) = wgsl(text);
-    let shared: Vec<_> = module
-        .global_variables
-        .iter()
-        .filter(|(_, v)| !matches!(v.space, AddressSpace::Private | AddressSpace::Handle))
-        .map(|(handle, _)| handle)
-        .collect();
-    let point = &module.entry_points[0];
-    let built_in = |(k, argument): (u32, &naga::FunctionArgument)| match argument.binding {
-        Some(Binding::BuiltIn(built_in)) => (k, built_in),
-        _ => panic!("{argument:?}"),
-    };
-    let built_ins: Vec<_> = (0..).zip(&point.function.arguments).map(built_in).collect();
-    let subject = Subject {
-        module: &module,
-        info: &info,
-        entry: Entry::Point(0),
-        inputs: &[],
-        uniforms: &[],
-        outputs: &[],
-        built_ins: &built_ins,
-        textures: &[],
-        max_vertices: None,
-        shared: &shared,
-        dispatch: None,
-        manners: None,
-        lowered: false,
-        covered: false,
-    };
-    let executable = Executable::compile(&subject).unwrap();
+    let (executable, size) = kernel(text);
     let buffer = |shape: &super::MemoryShape| {
         let elements = if shape.array.is_some() { words } else { 0 };
         Buffer { words: (0..shape.words_with(elements) as u32).collect(), elements, sides: [0; 3] }
     };
     let buffers: Vec<Buffer> = executable.memories().iter().map(buffer).collect();
-    let size = point.workgroup_size;
     let mut dispatch = Dispatch {
         size,
         groups: [2, 1, 1],
@@ -245,7 +212,7 @@ fn places_are_named_as_their_author_does() {
         @group(0) @binding(0) var<storage, read_write> all: All;
         var<workgroup> tile: array<array<vec2f, 4>, 2>;
         @compute @workgroup_size(1) fn main() { all.parts[1].at.y = f32(all.count) + tile[1][2].y; }";
-    let (module, _) = wgsl(text);
+    let (module, _) = super::super::tests::wgsl(text);
     let shape = |k: usize| {
         let (handle, _) = module.global_variables.iter().nth(k).unwrap();
         super::super::compile_shape(&module, handle)

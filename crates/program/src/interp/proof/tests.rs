@@ -1,45 +1,16 @@
 //! Kernels of which something holds for all sizes, each beside one of which it does not.
 
+use super::super::Executable;
 use super::super::group::{Buffer, Dispatch, Space, Turns, WIDTH, Wrong};
-use super::super::tests::wgsl;
-use super::super::{Executable, Subject};
+use super::super::tests::kernel;
 use super::Proof;
-use crate::{Entry, Written};
-use naga::{AddressSpace, Binding};
+use crate::Written;
 
 /// What is proved of the only entry point of a text.
 fn proved(text: &str) -> (Executable, Proof) {
-    let (module, info) = wgsl(text);
-    let shared: Vec<_> = module
-        .global_variables
-        .iter()
-        .filter(|(_, v)| !matches!(v.space, AddressSpace::Private | AddressSpace::Handle))
-        .map(|(handle, _)| handle)
-        .collect();
-    let point = &module.entry_points[0];
-    let built_in = |(k, argument): (u32, &naga::FunctionArgument)| match argument.binding {
-        Some(Binding::BuiltIn(built_in)) => (k, built_in),
-        _ => panic!("{argument:?}"),
-    };
-    let built_ins: Vec<_> = (0..).zip(&point.function.arguments).map(built_in).collect();
-    let subject = Subject {
-        module: &module,
-        info: &info,
-        entry: Entry::Point(0),
-        inputs: &[],
-        uniforms: &[],
-        outputs: &[],
-        built_ins: &built_ins,
-        textures: &[],
-        max_vertices: None,
-        shared: &shared,
-        dispatch: None,
-        manners: None,
-        lowered: false,
-        covered: false,
-    };
-    let executable = Executable { written: Written::Wgsl, ..Executable::compile(&subject).unwrap() };
-    let proof = executable.prove(point.workgroup_size);
+    let (compiled, size) = kernel(text);
+    let executable = Executable { written: Written::Wgsl, ..compiled };
+    let proof = executable.prove(size);
     (executable, proof)
 }
 

@@ -11,5 +11,5 @@ mod rearrange;
 mod refusals;
 mod support;
 
-pub(in crate::interp) use support::wgsl;
+pub(in crate::interp) use support::{kernel, wgsl};
 mod wide;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
-use naga::{Module, TypeInner};
+use naga::{AddressSpace, Module, TypeInner};
 
 use super::super::{Binary32, Binary64, Binding, Domain, Executable, FUEL, InterpError, Meaning, Subject};
 use crate::{Entry, PortAt};
@@ -12,6 +12,36 @@ use base::value::{Batch, Field, Record, Scalar, Shape};
 pub(in crate::interp) fn wgsl(text: &str) -> (Module, ModuleInfo) {
     let module = naga::front::wgsl::parse_str(text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(text)));
     validated(module)
+}
+
+/// The only entry point of a text, and its workgroup size.
+pub(in crate::interp) fn kernel(text: &str) -> (Executable, [u32; 3]) {
+    let (module, info) = wgsl(text);
+    let of_host = |v: &naga::GlobalVariable| !matches!(v.space, AddressSpace::Private | AddressSpace::Handle);
+    let shared: Vec<_> = module.global_variables.iter().filter(|(_, v)| of_host(v)).map(|(handle, _)| handle).collect();
+    let point = &module.entry_points[0];
+    let built_in = |(k, argument): (u32, &naga::FunctionArgument)| match argument.binding {
+        Some(naga::Binding::BuiltIn(built_in)) => (k, built_in),
+        _ => panic!("{argument:?}"),
+    };
+    let built_ins: Vec<_> = (0..).zip(&point.function.arguments).map(built_in).collect();
+    let subject = Subject {
+        module: &module,
+        info: &info,
+        entry: Entry::Point(0),
+        inputs: &[],
+        uniforms: &[],
+        outputs: &[],
+        built_ins: &built_ins,
+        textures: &[],
+        max_vertices: None,
+        shared: &shared,
+        dispatch: None,
+        manners: None,
+        lowered: false,
+        covered: false,
+    };
+    (Executable::compile(&subject).unwrap(), point.workgroup_size)
 }
 
 pub(super) fn glsl(text: &str) -> (Module, ModuleInfo) {
