@@ -31,6 +31,8 @@ enum Kind {
     Each(&'static str),
     /// An option with one value.
     Value(&'static str),
+    /// An option without a value, where this is true.
+    Flag(&'static str),
     /// The text of a file, whose name `name` gives.
     Text,
     /// The name of that file.
@@ -75,7 +77,19 @@ const TOOLS: &[Tool] = &[
         name: "fuzz",
         about: "Run every function and compute kernel of shaders on generated inputs: races, stray indices, missing barriers, \
                 NaN, overflow, lost digits, and drivers that are wrong. Gives the smallest inputs that show each.",
-        takes: &[PATHS, TEXT, NAME, FUNCTIONS, DEFINES],
+        takes: &[
+            PATHS,
+            TEXT,
+            NAME,
+            FUNCTIONS,
+            DEFINES,
+            take(
+                "prove",
+                "Races and indices of compute kernels for all sizes, instead of samples",
+                Kind::Flag("--prove"),
+            ),
+            take("reproducible", "Which outputs have the same bits on every device", Kind::Flag("--reproducible")),
+        ],
         always: JSON,
     },
     #[cfg(feature = "run")]
@@ -150,6 +164,7 @@ pub fn listed() -> Vec<Value> {
             json!({ "type": "array", "items": { "type": "string" }, "description": take.about })
         }
         Kind::Word | Kind::Value(_) | Kind::Text | Kind::Name => json!({ "type": "string", "description": take.about }),
+        Kind::Flag(_) => json!({ "type": "boolean", "description": take.about }),
     };
     let one = |tool: &Tool| {
         let mut properties: Map<String, Value> =
@@ -222,6 +237,11 @@ pub fn asked(params: &Value, limit: u64) -> Result<Asked, String> {
                 options.extend(all.into_iter().map(|one| format!("{option}={one}")));
             }
             Kind::Value(option) => options.push(format!("{option}={}", word()?)),
+            Kind::Flag(option) => {
+                if value.as_bool().ok_or_else(|| format!("`{}` is neither true nor false", take.name))? {
+                    options.push(option.to_owned());
+                }
+            }
             Kind::Text => text = Some(word()?),
             Kind::Name => file_name = Some(word()?),
         }
@@ -265,6 +285,8 @@ mod tests {
                 Kind::Each("--define" | "--set") => json!(["A=1"]),
                 Kind::Each(_) => json!(["f"]),
                 Kind::Value("--level") => json!("strict"),
+                // The two exclude each other.
+                Kind::Flag(option) => json!(option == "--prove"),
                 Kind::Word | Kind::Value(_) | Kind::Text | Kind::Name => json!("a.frag"),
             };
             let of_text = |take: &&Take| !matches!(take.kind, Kind::Text | Kind::Name);
@@ -285,6 +307,8 @@ mod tests {
         assert!(told(json!({ "name": "lint", "arguments": { "path": "a" } })).starts_with("`lint` takes no `path`"));
         assert!(told(json!({ "name": "explain" })).starts_with("`explain` needs `code`"));
         assert_eq!(told(json!({ "name": "lint", "arguments": { "limit": 0 } })), "`limit` is no number of seconds");
+        let yes = json!({ "name": "fuzz", "arguments": { "prove": "yes" } });
+        assert_eq!(told(yes), "`prove` is neither true nor false");
         let text = |name: &str| told(json!({ "name": "lint", "arguments": { "text": "", "name": name } }));
         assert_eq!(text("../a.frag"), "`../a.frag` is no plain file name");
         assert_eq!(text("-a.frag"), "`-a.frag` is no plain file name");

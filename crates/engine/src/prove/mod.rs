@@ -78,7 +78,7 @@ pub fn run(subject: &Subject, dispatched: &Dispatched, command: &str) -> ProofRe
     let mut assumptions = proof.assumptions.clone();
     let axes: Vec<&str> = proof.single.iter().map(|axis| ["x", "y", "z"][*axis]).collect();
     if !axes.is_empty() && !proof.memories.is_empty() {
-        assumptions.insert(0, format!("one workgroup is dispatched along {}", axes.join(" and ")));
+        assumptions.insert(0, format!("one workgroup is dispatched along {}", axes.join(", ")));
     }
     let constants = dispatched.program.constants.specialized();
     if !constants.is_empty() {
