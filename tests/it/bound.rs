@@ -245,3 +245,18 @@ fn memory_that_an_early_return_leaves_alone_has_its_value() {
                 if (id.x >= arrayLength(&line)) { return; }\n  let x = line[id.x];\n  line[id.x] = FAULT;\n}\n";
     told(&both("a.wgsl", text, ""), NO_VALUE);
 }
+
+#[test]
+fn a_constant_of_zero_that_a_pipeline_sets_is_a_number_of_the_host() {
+    let text = "#version 450\nlayout(local_size_x = 64) in;\nlayout(constant_id = 0) const float count = 0.0;\n\
+        layout(binding = 0) buffer A { float a[]; };\n\
+        void main() { uint i = gl_GlobalInvocationID.x; if (i >= a.length()) return;\n\
+        float x = a[i] / count; a[i] = FAULT; }\n";
+    let [wrong, right] = both("mean.comp", text, "");
+    assert!(wrong.code == 1 && wrong.out.contains(NO_VALUE), "{wrong:?}");
+    // Nobody says that it is 0.
+    assert!(right.code == 0 && right.out.contains("count"), "{right:?}");
+    let fixed = text.replace("const float count = 0.0", "const float count = 4.0");
+    let [wrong, right] = both("mean.comp", &fixed, "");
+    assert!(wrong.code == 1 && right.code == 0 && !right.out.contains("count"), "{wrong:?} {right:?}");
+}

@@ -1,15 +1,17 @@
-//! Specialization constants that a host has to set: 0 and 1 are written for them because something must be.
+//! Specialization constants that a host has to set: 0 and 1 are written for them because something must be. Of real numbers
+//! only 0 is taken for that.
 
 use base::text::{Assembly, SourceFile, Span};
 use syntax::Shader;
 use syntax::interface::{StageLayout, Variable};
 use syntax::types::Type;
 
-/// The text with these constants as uniforms, so that they get the numbers of a host and what follows from them is told as
+/// The text with these constants of some types as uniforms, so that they get the numbers of a host and what follows from them is told as
 /// such; none where there is nothing to change. What the size of a workgroup or an array is made of stays as it is.
-pub fn with_host_numbers(shader: &Shader) -> Option<SourceFile> {
+pub fn with_host_numbers(shader: &Shader, types: &[Type]) -> Option<SourceFile> {
     let file = shader.file();
-    let mut all: Vec<&Variable> = shader.interface().constants.iter().filter(|c| is_placeholder(shader, c)).collect();
+    let is_one = |constant: &&Variable| types.contains(&constant.ty) && is_placeholder(shader, constant);
+    let mut all: Vec<&Variable> = shader.interface().constants.iter().filter(is_one).collect();
     all.sort_by_key(|constant| constant.declaration_span.start);
     let mut assembly = Assembly::new();
     let mut at = 0;
@@ -31,10 +33,14 @@ fn is_placeholder(shader: &Shader, constant: &Variable) -> bool {
         let mut entries = keys.iter().filter_map(|key| layout.qualifiers.layout_entry(key)?.value);
         entries.any(|value| shader.fold(value) == id)
     };
-    let written = constant.initializer.and_then(|value| shader.fold(value)?.as_integer());
+    let written = constant.initializer.and_then(|value| shader.fold(value)?.as_f64());
+    let holds_place = match constant.ty {
+        Type::INT | Type::UINT => [Some(0.0), Some(1.0)].contains(&written),
+        Type::FLOAT => written == Some(0.0),
+        _ => false,
+    };
     let is_in_text = shader.file().slice(constant.name_span) == constant.name;
-    [Type::INT, Type::UINT].contains(&constant.ty)
-        && matches!(written, Some(0 | 1))
+    holds_place
         && is_in_text
         && constant.siblings == 1
         && !shader.interface().stage_layouts.iter().any(is_size)

@@ -16,6 +16,7 @@ use program::{DISCARD, Kernel, Parameter, Program, ProgramError};
 use syntax::interface::Storage;
 use syntax::precision::Precisions;
 use syntax::symbols::{FunctionId, FunctionInfo, SymbolId, SymbolKind};
+use syntax::types::Type;
 use syntax::{Shader, Stage};
 
 /// A function of a file.
@@ -192,8 +193,8 @@ fn ready(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Made, S
     let main = info.name.name == "main";
     if main && matches!(shader.stage(), Stage::Vertex | Stage::Geometry | Stage::Fragment | Stage::Compute) {
         // The stage as it is; where that cannot be run, the same as an ordinary function.
-        let stage = Program::from_source_with(shader.file(), shader.stage(), shader.defines(), |_| Ok(Target::Stage));
-        let stage = stage.map_err(|e| reason(&e));
+        // Whole numbers stay: loops of as many rounds as a host may state are dispatched in few sizes, not run by the thousand.
+        let stage = stage_of(shader, &[Type::FLOAT]).map_err(|e| reason(&e));
         let with_memory = stage.and_then(|program| program.with_memory_inside().map_err(|e| reason(&e)));
         match with_memory.and_then(made) {
             Ok(ready) => return Ok(ready),
@@ -210,13 +211,18 @@ fn dispatched(shader: &Shader, info: &FunctionInfo) -> Option<Result<Box<Dispatc
     if info.name.name != "main" || shader.stage() != Stage::Compute {
         return None;
     }
-    let made =
-        |file: &SourceFile| Program::from_source_with(file, shader.stage(), shader.defines(), |_| Ok(Target::Stage));
-    let of_host = with_host_numbers(shader).and_then(|file| made(&file).ok());
-    match of_host.map_or_else(|| made(shader.file()), Ok) {
+    match stage_of(shader, &[Type::INT, Type::UINT, Type::FLOAT]) {
         Ok(program) => Dispatched::new(&program).map(|ready| ready.map(Box::new)),
         Err(error) => Some(Err(reason(&error))),
     }
+}
+
+/// The stage, with specialization constants of some types as numbers of the host where their values hold a place.
+fn stage_of(shader: &Shader, types: &[Type]) -> Result<Program, ProgramError> {
+    let made =
+        |file: &SourceFile| Program::from_source_with(file, shader.stage(), shader.defines(), |_| Ok(Target::Stage));
+    let of_host = with_host_numbers(shader, types).and_then(|file| made(&file).ok());
+    of_host.map_or_else(|| made(shader.file()), Ok)
 }
 
 /// The function in a text of its own.
