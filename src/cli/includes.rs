@@ -50,6 +50,8 @@ pub struct IncludedText {
     shares: bool,
     /// What it lacks was looked for.
     looked_for: bool,
+    /// Whether a version that it has is one of the text that its host puts in front.
+    versioned_by_host: bool,
     /// What to tell of what its host fills in.
     filled: Vec<String>,
     /// Names that stand for what its host fills in.
@@ -117,6 +119,7 @@ pub fn with_includes(file: &SourceFile, path: &Path, given: &Given<'_>) -> anyho
         addresses: None,
         shares: false,
         looked_for: false,
+        versioned_by_host: false,
         filled: Vec::new(),
         made_up: Vec::new(),
         open: None,
@@ -233,7 +236,7 @@ impl IncludedText {
 
     /// Whether the text states a version, so that no host puts anything in front of it.
     pub fn is_versioned(&self, defines: &[(String, String)]) -> bool {
-        Shader::parse_with(&self.file, self.stage, defines).shader.version().span.is_some()
+        !self.versioned_by_host && Shader::parse_with(&self.file, self.stage, defines).shader.version().span.is_some()
     }
 
     /// Errors of a piece that may come of what stands for names which it lacks, of all that were found.
@@ -297,7 +300,8 @@ impl IncludedText {
     #[must_use]
     pub fn with_prelude(self, wanted: reading::prelude::Wanted) -> Self {
         let (file, stage) = reading::prelude::behind(&self.file, self.stage, wanted);
-        Self { file, stage, ..self }
+        let versioned_by_host = file.text() != self.file.text() && !self.is_versioned(&[]);
+        Self { file, stage, versioned_by_host, ..self }
     }
 
     /// The text as a module, for languages that are read as one.

@@ -546,3 +546,14 @@ fn an_error_beside_names_that_are_lacking_leaves_the_rest_to_be_run() {
     let ran = fuzz("c.glsl", &format!("{right}float part(Vertex v) {{ return v.x * (1f / 65536.0); }}\n"), "");
     assert!(ran.code == 0 && ran.out.contains("ok    bad") && ran.out.contains("part"), "{ran:?}");
 }
+
+#[test]
+fn a_text_that_a_prelude_completes_lacks_what_its_host_declares_elsewhere() {
+    let text = "void mainImage(out vec4 color, in vec2 at) {\n  vec2 uv = at / max(iResolution.xy, 1.0);\n  \
+        vec3 c = palette(uv.x * SPEED);\n  color = vec4(c * hash12(uv), 1.0);\n}\n";
+    let ran = fuzz("image.glsl", text, "");
+    assert!(ran.code == 0 && ran.out.contains("0 not run, 0 findings"), "{ran:?}");
+    let wrong = text.replace("  vec3 c = ", "  vec3 d = uv;\n  vec3 c = ");
+    let ran = fuzz("image.glsl", &wrong, "");
+    assert!(ran.code == 1 && ran.out.contains("image.glsl:3:"), "{ran:?}");
+}
