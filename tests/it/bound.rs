@@ -260,3 +260,19 @@ fn a_constant_of_zero_that_a_pipeline_sets_is_a_number_of_the_host() {
     let [wrong, right] = both("mean.comp", &fixed, "");
     assert!(wrong.code == 1 && right.code == 0 && !right.out.contains("count"), "{wrong:?} {right:?}");
 }
+
+#[test]
+fn stages_of_ray_tracing_are_run_with_the_ray_as_input() {
+    let head =
+        "#version 460\n#extension GL_EXT_ray_tracing : require\nlayout(location = 0) rayPayloadInEXT vec3 color;\n";
+    let miss = format!(
+        "{head}void main() {{ vec3 d = normalize(gl_WorldRayDirectionEXT + vec3(0.0, 0.0, 4.0)); float x = d.y;\n\
+         color = vec3(FAULT); }}\n"
+    );
+    told(&both("sky.rmiss", &miss, ""), NO_VALUE);
+    let hit = format!(
+        "{head}hitAttributeEXT vec2 at;\nvoid main() {{ float x = at.x + gl_ObjectToWorldEXT[3].y;\n\
+         color = gl_WorldRayOriginEXT + gl_HitTEXT * gl_WorldRayDirectionEXT + vec3(FAULT); }}\n"
+    );
+    told(&both("surface.rchit", &hit, ""), NO_VALUE);
+}

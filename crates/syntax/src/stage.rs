@@ -86,9 +86,12 @@ const ROWS: [Row; 6] = [
     },
 ];
 
+/// Endings of stages of ray tracing, of which each function is looked at: their `main` runs where a ray is traced alone.
+const OF_RAYS: [&str; 6] = ["rgen", "rint", "rahit", "rchit", "rmiss", "rcall"];
+
 impl Stage {
     /// The stage that a file name says: by its last extension, or the one before `.glsl`
-    /// (`a.vert.glsl`). A bare `.glsl` is a library.
+    /// (`a.vert.glsl`). A bare `.glsl` is a library, and so is a stage of ray tracing.
     pub fn from_path(name: &str) -> Option<Self> {
         let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
         let mut parts = file.rsplit('.');
@@ -113,7 +116,8 @@ impl Stage {
     fn of_extension(part: &str) -> Option<Self> {
         let part = part.to_ascii_lowercase();
         let says = |row: &&Row| row.words.iter().chain(row.endings).any(|w| *w == part);
-        ROWS.iter().find(says).map(|row| row.stage)
+        let stage = ROWS.iter().find(says).map(|row| row.stage);
+        stage.or_else(|| OF_RAYS.contains(&part.as_str()).then_some(Self::Library))
     }
 
     /// The stage that one word says: `vertex`, `VERT`, `vs`.

@@ -26,7 +26,7 @@ const fn output(name: &'static str, ty: &'static str) -> Known {
 
 /// Those that a function can be given, or that it can give. What is not here is refused by name when a
 /// function that uses it is run.
-const ALL: [Known; 35] = [
+const ALL: &[Known] = &[
     output("gl_Position", "vec4"),
     output("gl_PointSize", "float"),
     output("gl_FragColor", "vec4"),
@@ -44,6 +44,23 @@ const ALL: [Known; 35] = [
     input("gl_WorkGroupID", "uvec3"),
     input("gl_NumWorkGroups", "uvec3"),
     input("gl_LocalInvocationIndex", "uint"),
+    input("gl_LaunchIDEXT", "uvec3"),
+    input("gl_LaunchSizeEXT", "uvec3"),
+    input("gl_InstanceCustomIndexEXT", "int"),
+    input("gl_GeometryIndexEXT", "int"),
+    input("gl_WorldRayOriginEXT", "vec3"),
+    input("gl_WorldRayDirectionEXT", "vec3"),
+    input("gl_ObjectRayOriginEXT", "vec3"),
+    input("gl_ObjectRayDirectionEXT", "vec3"),
+    input("gl_RayTminEXT", "float"),
+    input("gl_RayTmaxEXT", "float"),
+    input("gl_HitTEXT", "float"),
+    input("gl_HitKindEXT", "uint"),
+    input("gl_IncomingRayFlagsEXT", "uint"),
+    input("gl_ObjectToWorldEXT", "mat4x3"),
+    input("gl_WorldToObjectEXT", "mat4x3"),
+    input("gl_ObjectToWorld3x4EXT", "mat3x4"),
+    input("gl_WorldToObject3x4EXT", "mat3x4"),
     input("gl_Vertex", "vec4"),
     input("gl_Normal", "vec3"),
     input("gl_Color", "vec4"),
@@ -91,7 +108,7 @@ mod tests {
 
     #[test]
     fn every_type_is_one_that_can_be_fed() {
-        for known in ALL {
+        for known in ALL.iter().copied() {
             assert!(Type::from_name(known.ty).is_some_and(|ty| ty.shape().is_some()), "{}", known.name);
             assert_eq!(ALL.iter().filter(|other| other.name == known.name).count(), 1, "{}", known.name);
         }

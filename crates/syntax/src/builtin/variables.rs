@@ -66,6 +66,33 @@ const TABLE: &[(&str, &str, &str, char)] = &[
         "uvec4",
         'r',
     ),
+    // GL_EXT_ray_tracing and GL_NV_ray_tracing: stages that are read as libraries.
+    ("gl_LaunchIDEXT gl_LaunchSizeEXT gl_LaunchIDNV gl_LaunchSizeNV", "", "uvec3", 'r'),
+    ("gl_InstanceCustomIndexEXT gl_GeometryIndexEXT gl_InstanceCustomIndexNV gl_RayGeometryIndexNV", "", "int", 'r'),
+    (
+        "gl_WorldRayOriginEXT gl_WorldRayDirectionEXT gl_ObjectRayOriginEXT gl_ObjectRayDirectionEXT \
+         gl_WorldRayOriginNV gl_WorldRayDirectionNV gl_ObjectRayOriginNV gl_ObjectRayDirectionNV",
+        "",
+        "vec3",
+        'r',
+    ),
+    ("gl_RayTminEXT gl_RayTmaxEXT gl_HitTEXT gl_RayTminNV gl_RayTmaxNV gl_HitTNV", "", "float", 'r'),
+    ("gl_IncomingRayFlagsEXT gl_HitKindEXT gl_IncomingRayFlagsNV gl_HitKindNV", "", "uint", 'r'),
+    ("gl_ObjectToWorldEXT gl_WorldToObjectEXT gl_ObjectToWorldNV gl_WorldToObjectNV", "", "mat4x3", 'r'),
+    ("gl_ObjectToWorld3x4EXT gl_WorldToObject3x4EXT", "", "mat3x4", 'r'),
+    // The same and GL_EXT_ray_query; constants
+    (
+        "gl_RayFlagsNoneEXT gl_RayFlagsOpaqueEXT gl_RayFlagsNoOpaqueEXT gl_RayFlagsTerminateOnFirstHitEXT \
+         gl_RayFlagsSkipClosestHitShaderEXT gl_RayFlagsCullBackFacingTrianglesEXT \
+         gl_RayFlagsCullFrontFacingTrianglesEXT gl_RayFlagsCullOpaqueEXT gl_RayFlagsCullNoOpaqueEXT \
+         gl_RayFlagsSkipTrianglesEXT gl_RayFlagsSkipAABBEXT gl_HitKindFrontFacingTriangleEXT \
+         gl_HitKindBackFacingTriangleEXT gl_RayQueryCommittedIntersectionNoneEXT \
+         gl_RayQueryCommittedIntersectionTriangleEXT gl_RayQueryCommittedIntersectionGeneratedEXT \
+         gl_RayQueryCandidateIntersectionTriangleEXT gl_RayQueryCandidateIntersectionAABBEXT",
+        "vcegfk",
+        "uint",
+        'r',
+    ),
     // GL_KHR_memory_scope_semantics; constants
     (
         "gl_ScopeDevice gl_ScopeWorkgroup gl_ScopeSubgroup gl_ScopeInvocation gl_ScopeQueueFamily \
