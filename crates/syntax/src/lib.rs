@@ -50,7 +50,7 @@ mod workgroup;
 use ast::{Arena, Expr, ExprId, Unit};
 use base::diagnostic::{Diagnostic, Severity};
 use base::text::{SourceFile, Span};
-pub use builtin::BuiltinFunction;
+pub use builtin::{BuiltinFunction, is_given_by_a_stage};
 pub use constructor::{Constructor, Fit, constructor_needs};
 pub use fitting::{fitting, stated};
 pub use fold::Const;

@@ -53,6 +53,8 @@ fn is_followed(shader: &Shader, id: SymbolId) -> bool {
     !symbol.read_only
         && match symbol.kind {
             SymbolKind::Local | SymbolKind::Param(_) | SymbolKind::Global(Storage::Global) => true,
+            // What one stage writes, the stage that is not known may be given.
+            SymbolKind::Builtin if shader.stage() == Stage::Library => !syntax::is_given_by_a_stage(&symbol.name),
             SymbolKind::Global(Storage::Out) | SymbolKind::Builtin => outputs,
             SymbolKind::BlockMember(index) | SymbolKind::BlockInstance(index) => of_block(index),
             SymbolKind::Global(Storage::In | Storage::Uniform | Storage::Buffer | Storage::Shared | Storage::Const) => {

@@ -1,5 +1,6 @@
 //! Other languages under the endings of GLSL.
 
+use base::diagnostic::Severity;
 use base::text::SourceFile;
 
 use crate::Input;
@@ -21,4 +22,21 @@ fn another_language_under_a_shared_ending_is_left_alone() {
     assert_eq!(lint("shaders/hlsl/a.frag", "#version 330\nvoid main() { vec2 a = vec3(1.0); }\n").len(), 1);
     assert_eq!(lint("a.vp", "#version 330\nvoid main() { gl_Position = vec3(1.0); }\n").len(), 1);
     assert_eq!(lint("a.fp", "void main() { gl_FragColor = vec3(1.0); }\n").len(), 1);
+}
+
+#[test]
+fn a_stage_of_ray_tracing_is_given_its_ray_and_what_it_hit() {
+    let text = |read: &str| {
+        format!(
+            "#version 460\n#extension GL_EXT_ray_tracing : require\nlayout(location = 0) rayPayloadInEXT vec3 color;\n\
+             hitAttributeEXT vec2 at;\nvoid main() {{\n  float own;\n  int first = 3 * gl_PrimitiveID;\n\
+             color = gl_WorldRayOriginEXT + gl_HitTEXT * gl_WorldRayDirectionEXT + vec3({read}, first);\n}}\n"
+        )
+    };
+    let codes = |text: &str| -> Vec<&str> {
+        let found = crate::run(&[input("a.rchit", text)]);
+        found.iter().filter(|d| d.severity != Severity::Info).map(|d| d.code.0).collect()
+    };
+    assert!(codes(&text("at")).is_empty(), "{:?}", codes(&text("at")));
+    assert_eq!(codes(&text("own, at").replace(", first)", ")")), ["D001"]);
 }

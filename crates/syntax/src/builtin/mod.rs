@@ -12,4 +12,5 @@ pub(crate) use since::{
     Absent, WIDE_ATOMICS, function as function_absent, has_scalar, in_per_vertex, is_late, is_sized_name, type_since,
     variable as variable_absent,
 };
+pub use variables::is_given_by_a_stage;
 pub(crate) use variables::{Builtin, names as variable_names, structure_type, variable};

@@ -262,6 +262,11 @@ pub(crate) fn variable(name: &str, stage: Stage, vertices: Option<u32>) -> Optio
     None
 }
 
+/// True for a built-in variable that some stage gives, whatever others write to it.
+pub fn is_given_by_a_stage(name: &str) -> bool {
+    TABLE.iter().any(|(names, _, _, access)| *access == 'r' && names.split_whitespace().any(|n| n == name))
+}
+
 /// The structure of a built-in variable, by its own name such as `gl_FogParameters`.
 pub(crate) fn structure_type(name: &str) -> Option<Type> {
     STRUCTS.iter().find(|row| row.2 == name).map(|row| structure(row.2, row.3))
