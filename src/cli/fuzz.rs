@@ -281,6 +281,7 @@ pub(super) fn subjects(
                 let decided = match () {
                     () if rewritten => Some("its engine rewrites declarations"),
                     () if all_are(errors::TEMPLATE) => Some("its host fills in placeholders, unless `--define` does"),
+                    () if compose::lack_files(&errors) => Some("what it imports is not here; `-I FOLDER` names it"),
                     () if all_are(program::UNSUPPORTED) => Some("its reader here does not take it"),
                     () => None,
                 };

@@ -276,3 +276,10 @@ fn stages_of_ray_tracing_are_run_with_the_ray_as_input() {
     );
     told(&both("surface.rchit", &hit, ""), NO_VALUE);
 }
+
+#[test]
+fn bits_of_no_number_that_are_written_as_such_are_meant() {
+    let text = "fn none() -> f32 { return bitcast<f32>(0x7fc00000u); }\nfn endless() -> f32 { return bitcast<f32>(0x7f800000u); }\n\
+        fn f(x: f32) -> f32 { if (x > 5e8) { return none() + endless(); } return FAULT; }\n";
+    told(&both("none.wgsl", text, ""), NO_VALUE);
+}

@@ -248,6 +248,17 @@ fn declares(before: &str) -> Option<&str> {
     ["const", "override", "let", "var", "var<private>"].contains(&keyword).then_some(name)
 }
 
+/// What to do about a file or package that is not there.
+pub(crate) const NAME_ITS_FOLDER: &str = "name its folder with `-I FOLDER`";
+
+/// True for errors that files which are not here take away: packages that nobody has named, and names that may stand there.
+/// A name that a module which is here does not declare is none of them.
+pub fn lack_files(found: &[Diagnostic]) -> bool {
+    let of_folder = |error: &Diagnostic| error.help.as_ref().is_some_and(|help| help.to_string() == NAME_ITS_FOLDER);
+    let gone = |error: &Diagnostic| error.code == errors::IMPORT && of_folder(error);
+    found.iter().any(gone) && found.iter().all(|error| error.code == errors::FRAGMENT || gone(error))
+}
+
 /// Joins a file and what it imports. A file that needs nothing comes out as it is.
 ///
 /// # Errors

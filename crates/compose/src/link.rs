@@ -12,7 +12,7 @@ use crate::features;
 use crate::import::{ModulePath, Origin};
 use crate::module::Module;
 use crate::naming;
-use crate::{Composed, Guessed, LeftOut, Library, Options, Problems, Rest, Undeclared, predeclared};
+use crate::{Composed, Guessed, LeftOut, Library, NAME_ITS_FOLDER, Options, Problems, Rest, Undeclared, predeclared};
 
 /// A declaration: the module, and its number there.
 pub(crate) type Item = (usize, usize);
@@ -520,7 +520,7 @@ impl Linker<'_> {
                 let all = self.library.modules(&author);
                 let help = match nearest(&shown, all.iter().map(String::as_str)).filter(|near| **near != shown) {
                     Some(near) => format!("did you mean `{near}`?"),
-                    None => "name the folder of its package with `-I FOLDER`".to_owned(),
+                    None => NAME_ITS_FOLDER.to_owned(),
                 };
                 (format!("no module is found for `{shown}`"), help)
             }

@@ -12,7 +12,7 @@ use crate::condition::{self, node_end};
 use crate::declaration::{Declaration, declarations};
 use crate::import::{Import, imports};
 use crate::token::{Token, behind_template, brackets, tokens};
-use crate::{Library, Options, Problems, draft, template};
+use crate::{Library, NAME_ITS_FOLDER, Options, Problems, draft, template};
 
 /// A file as the text takes it.
 pub(crate) struct Module {
@@ -219,7 +219,7 @@ fn without_directives(
             "include" => {
                 let path = missing.map_or(whole.slice(foreign.rest), |w| w.path.as_str());
                 let message = format!("`{path}` is not found");
-                problems.add(errors::IMPORT, &whole, foreign.span, message, "name its folder with `-I FOLDER`");
+                problems.add(errors::IMPORT, &whole, foreign.span, message, NAME_ITS_FOLDER);
             }
             // What the host writes there stands in a prelude.
             _ if !options.preludes.is_empty() => {}

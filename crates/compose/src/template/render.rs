@@ -341,7 +341,7 @@ impl Work<'_> {
         let wanted = Wanted { from: file.clone(), path: path.to_owned(), quoted: true, import: false, span };
         let found = (self.depth < DEEPEST).then(|| self.library.include(&wanted)).flatten();
         let Some(found) = found else {
-            let help = "name its folder with `-I FOLDER`";
+            let help = crate::NAME_ITS_FOLDER;
             return self.problems.add(errors::IMPORT, file, span, format!("`{path}` is not found"), help);
         };
         // What is declared twice is an error, so that engines take a file with declarations once.

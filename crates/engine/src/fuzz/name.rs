@@ -192,6 +192,10 @@ fn one(
     if undefined && !culprit.as_ref().is_some_and(|(cause, _)| vanished(cause.op, &cause.args, cause.value)) {
         culprit = tape.culprit(column, slot, f64::INFINITY);
     }
+    // Bits of a NaN or an infinity that no operation makes were written as such.
+    if undefined && culprit.as_ref().is_none_or(|(cause, _)| cause.op.is_none()) {
+        return None;
+    }
     let forked = tape.fork(slot).is_some();
     if let Some((cause, condition)) = &culprit {
         (named.op, named.site, named.args, named.value) = (cause.op, cause.site, cause.args.clone(), cause.value);
