@@ -125,6 +125,7 @@ fn request(args: &CalibrateArgs, ops: &[Op], lane: &dyn Lane, shard: Shard) -> R
         ops: ops.iter().map(|op| op.name().to_owned()).collect(),
         samples: args.samples,
         exhaustive: args.exhaustive,
+        search: 0,
         driver: lane.description().driver.clone(),
         part: (shard.index(), shard.count()),
     }

@@ -5,7 +5,8 @@
 //! any error in ULP. If the errors of the parts of the definition bound every error that is seen,
 //! they are the better bound.
 
-use super::{CalibrateError, DISPATCH, Inputs};
+use super::device::DISPATCH;
+use super::{CalibrateError, Inputs};
 use base::value::Batch;
 use judge::profile::{Allowed, Definition, Entry, Op, Profile, grid};
 use judge::single::kernel::pointwise;
@@ -76,7 +77,7 @@ fn confirms(lane: &dyn Lane, profile: &Profile, op: Op) -> Result<bool, Calibrat
 
 /// How far the definition may lead away from the exact value; `None` where a part is not bounded,
 /// where a subnormal number or an overflow comes in between, or where the bound says little.
-fn by_parts(profile: &Profile, op: Op, args: &[f64], exact: f64) -> Option<f64> {
+pub(super) fn by_parts(profile: &Profile, op: Op, args: &[f64], exact: f64) -> Option<f64> {
     let normal = |x: f64| (grid::MIN_NORMAL..=grid::MAX_FINITE).contains(&x.abs());
     if !normal(exact) || args.iter().any(|x| *x != 0.0 && !normal(*x)) {
         return None;

@@ -6,31 +6,33 @@
 //! The work is cut into blocks. What was measured after a block is a [`State`], which can be written
 //! down and continued.
 
+mod against;
 mod definition;
+mod device;
 mod probe;
+mod search;
 mod tally;
 mod write;
 
 use std::ops::Range;
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use base::value::Batch;
 use judge::profile::{Entry, Op, Profile, Rule, by_name};
 use judge::single::kernel;
-use lanes::{Actual, Lane, LaneError, Runner, Stage};
+use lanes::{Lane, LaneError, Stage};
 use program::ProgramError;
 
+use device::MeasuredDevice;
+
+pub use against::{Worsened, freer, worsened};
 pub use definition::confirmed;
-pub use judge::single::{Inputs, expression, measurable};
+pub use judge::single::{Arguments, Inputs, expression, measurable};
 pub use probe::{Behaviour, Fusion, probe};
 pub use tally::{Judge, Tally, Worst};
 pub use write::Document;
 
-/// Invocations of one dispatch.
-const DISPATCH: usize = 1 << 17;
 /// Words of one block of an exhaustive sweep; a power of two.
 const SWEEP_BLOCK: u64 = 1 << 26;
 /// Words that parts of an exhaustive sweep are multiples of: all numbers of one sign and exponent.
@@ -39,8 +41,6 @@ const SWEEP_UNIT: u64 = 1 << 23;
 const SAMPLE_BLOCK: u64 = 1 << 22;
 /// Words that are finite numbers of one sign.
 const FINITE: u64 = 0x7f80_0000;
-/// First word of the numbers with a minus sign.
-const NEGATIVE: u64 = 0x8000_0000;
 
 /// Why a device could not be measured.
 #[derive(Debug, Error)]
@@ -79,6 +79,10 @@ pub struct Request {
     pub samples: u64,
     /// All arguments of functions of one argument.
     pub exhaustive: bool,
+    /// Results that the search for the worst arguments may compute, for each function of one argument that is not
+    /// run on all of them; 0 for no search.
+    #[serde(default)]
+    pub search: u64,
     /// Device and driver.
     pub driver: String,
     /// Which part of the samples of each operation: its number from 0, and of how many.
@@ -119,9 +123,25 @@ impl Request {
         at(index)..at(index + 1)
     }
 
-    /// Samples of all operations in this part.
+    /// What the search for the worst arguments of an operation may compute. A search is not cut into parts: of several
+    /// parts, each does that of some operations.
+    fn searched(&self, op: Op) -> u64 {
+        let (index, count) = self.part;
+        let place = self.ops.iter().position(|name| name == op.name()).unwrap_or(0) as u64;
+        let here = place % count.max(1) == index;
+        if op.arity() == Some(1) && !self.exhaustive && here { self.search } else { 0 }
+    }
+
+    /// The positions of an operation in this part: those of its samples, and behind them as many as the search may
+    /// compute.
+    fn positions(&self, op: Op) -> Range<u64> {
+        let range = self.range(op);
+        range.start..range.end + self.searched(op)
+    }
+
+    /// Samples of all operations in this part, with what the search may compute.
     pub fn total(&self) -> u64 {
-        self.operations().into_iter().map(|op| self.range(op)).map(|range| range.end - range.start).sum()
+        self.operations().into_iter().map(|op| self.positions(op)).map(|range| range.end - range.start).sum()
     }
 }
 
@@ -143,7 +163,7 @@ pub struct State {
     request: Request,
     /// Tallies of the operations of the request that are complete, and of the one under way.
     tallies: Vec<Tally>,
-    /// Samples of the last tally; all when it is complete.
+    /// Samples of the last tally, and what its search has computed; all when it is complete.
     position: u64,
 }
 
@@ -164,6 +184,7 @@ impl State {
             ("operations", was.ops != is.ops, was.ops.join(","), is.ops.join(",")),
             ("part", was.part != is.part, format!("{:?}", was.part), format!("{:?}", is.part)),
             ("samples", was.samples != is.samples, was.samples.to_string(), is.samples.to_string()),
+            ("search", was.search != is.search, was.search.to_string(), is.search.to_string()),
             ("exhaustive", was.exhaustive != is.exhaustive, was.exhaustive.to_string(), is.exhaustive.to_string()),
         ];
         match differs.into_iter().find(|(_, differs, ..)| *differs) {
@@ -175,7 +196,7 @@ impl State {
     /// Samples done.
     pub fn done(&self) -> u64 {
         let complete = self.tallies.len().saturating_sub(1);
-        let mut ranges = self.request.operations().into_iter().map(|op| self.request.range(op));
+        let mut ranges = self.request.operations().into_iter().map(|op| self.request.positions(op));
         let sizes: u64 = ranges.by_ref().take(complete).map(|range| range.end - range.start).sum();
         let begin = ranges.next().map_or(0, |range| range.start);
         sizes + if self.tallies.is_empty() { 0 } else { self.position.saturating_sub(begin) }
@@ -195,7 +216,7 @@ impl State {
         }
         self.request.part = whole();
         self.tallies.iter_mut().zip(&other.tallies).for_each(|(one, other)| one.merge(other));
-        self.position = self.request.operations().last().map_or(0, |op| self.request.size(*op));
+        self.position = self.request.operations().last().map_or(0, |op| self.request.positions(*op).end);
         Ok(())
     }
 
@@ -223,7 +244,8 @@ pub fn run(
     let (text, suite) = promises();
     for (index, op) in state.request.operations().into_iter().enumerate() {
         let Range { start, end: size } = state.request.range(op);
-        let complete = index + 1 < state.tallies.len() || (index + 1 == state.tallies.len() && state.position >= size);
+        let end = state.request.positions(op).end;
+        let complete = index + 1 < state.tallies.len() || (index + 1 == state.tallies.len() && state.position >= end);
         if complete {
             continue;
         }
@@ -233,13 +255,24 @@ pub fn run(
         }
         let judge = Judge::new(op, text, suite, Stage::Compute);
         let sweeps = state.request.sweeps(op);
-        let mut device = MeasuredDevice::new(lane, op, sweeps)?;
-        let block = if sweeps { SWEEP_BLOCK } else { SAMPLE_BLOCK };
-        while state.position < size {
-            let end = size.min(state.position + block);
-            let mut tally = Tally::default();
-            device.block(&judge, state.position..end, &mut tally)?;
-            state.tallies[index].merge(&tally);
+        if state.position < size {
+            let mut device = MeasuredDevice::new(lane, op, sweeps)?;
+            let block = if sweeps { SWEEP_BLOCK } else { SAMPLE_BLOCK };
+            while state.position < size {
+                let to = size.min(state.position + block);
+                state.tallies[index].merge(&device.block(&judge, state.position..to)?);
+                state.position = to;
+                saved(state, op).map_err(CalibrateError::Save)?;
+            }
+        }
+        if size < end {
+            // What a search found is kept when it is over: one that was stopped begins anew.
+            state.position = size;
+            let found = search::worst(lane, op, &judge, end - size, &mut |computed| {
+                state.position = (size + computed).min(end - 1);
+                saved(state, op).map_err(CalibrateError::Save)
+            })?;
+            state.tallies[index].merge(&found);
             state.position = end;
             saved(state, op).map_err(CalibrateError::Save)?;
         }
@@ -251,104 +284,6 @@ pub fn run(
 pub fn promises() -> (&'static Profile, &'static Profile) {
     let shipped = |name| by_name(name).unwrap_or_else(|| unreachable!("the profile `{name}` is part of the program"));
     (shipped("vulkan-1.4"), shipped("vulkan-cts"))
-}
-
-/// A kernel on a lane with what feeds it.
-struct MeasuredDevice {
-    runner: Box<dyn Runner>,
-    batch: Batch,
-    op: Op,
-    /// Results of one invocation.
-    width: usize,
-    inputs: Inputs,
-}
-
-impl MeasuredDevice {
-    fn new(lane: &dyn Lane, op: Op, sweeps: bool) -> Result<Self, CalibrateError> {
-        let kernel = if sweeps { kernel::sweep(op)? } else { kernel::pointwise(op)? };
-        let batch = Batch::with_capacity(kernel.invocation.clone(), kernel.case.clone(), 1, DISPATCH);
-        let width = if sweeps { kernel::SWEEP } else { 1 };
-        Ok(Self { runner: lane.prepare(&kernel, DISPATCH)?, batch, op, width, inputs: Inputs::new(op) })
-    }
-
-    /// Runs samples `range` and tallies them.
-    fn block(&mut self, judge: &Judge<'_>, range: Range<u64>, tally: &mut Tally) -> Result<(), CalibrateError> {
-        // A power of two, so that no part of a sweep crosses from one binade to the next.
-        let step = (1 << self.runner.capacity().max(1).ilog2()) * self.width as u64;
-        let mut from = range.start;
-        // What the device gave last is tallied while it computes the next.
-        let mut last: Option<(Batch, Actual)> = None;
-        let mut spare = self.batch.clone();
-        while from < range.end || last.is_some() {
-            let to = range.end.min(from + step);
-            let (op, width) = (self.op, self.width);
-            let mut part = None;
-            let next = rayon::in_place_scope(|scope| {
-                if let Some((batch, actual)) = &last {
-                    scope.spawn(|_| part = Some(dispatch_tally(judge, op, width, batch, actual)));
-                }
-                (from < to).then(|| {
-                    self.fill(&mut spare, from..to);
-                    self.runner.run(&spare)
-                })
-            });
-            if let Some(part) = part {
-                tally.merge(&part);
-            }
-            let free = last.take().map(|(batch, _)| batch);
-            if let Some(actual) = next {
-                let filled = std::mem::replace(&mut spare, free.unwrap_or_else(|| self.batch.clone()));
-                last = Some((filled, actual?));
-            }
-            from = to;
-        }
-        Ok(())
-    }
-
-    /// Writes the arguments of samples `range`.
-    fn fill(&self, batch: &mut Batch, range: Range<u64>) {
-        let arity = self.op.arity().unwrap_or(1);
-        batch.invocations.clear();
-        if self.width > 1 {
-            batch.invocations.extend(range.step_by(self.width).map(swept));
-        } else {
-            batch.invocations.extend(range.flat_map(|k| self.inputs.at(k).into_iter().take(arity)));
-        }
-    }
-}
-
-/// The tally of a dispatch.
-fn dispatch_tally(judge: &Judge<'_>, op: Op, width: usize, batch: &Batch, actual: &Actual) -> Tally {
-    match op.column().filter(|_| width > 1) {
-        Some(column) => sweep_tally(judge, column, batch, actual),
-        None => judge.tally(batch.invocation_count(), |k| {
-            let mut arguments = [0; 3];
-            let record = batch.invocation(k);
-            arguments[..record.len()].copy_from_slice(record);
-            (arguments, actual.vertex(k, 0)[0])
-        }),
-    }
-}
-
-/// Invocations of a sweep that one thread takes at a time: a part of a binade.
-const PART: usize = 1 << 14;
-
-/// The tally of a dispatch of the sweeping kernel.
-fn sweep_tally(judge: &Judge<'_>, column: fn(&[f64], &mut [f64]), batch: &Batch, actual: &Actual) -> Tally {
-    let part = |(k, words): (usize, &[u32])| {
-        let mut results = Vec::with_capacity(words.len() * kernel::SWEEP);
-        (k * PART..k * PART + words.len()).for_each(|i| results.extend_from_slice(actual.vertex(i, 0)));
-        judge.tally_neighbours(words[0], &results, column)
-    };
-    batch.invocations.par_chunks(PART).enumerate().map(part).reduce(Tally::default, |mut a, b| {
-        a.merge(&b);
-        a
-    })
-}
-
-/// The `k`-th finite number: those with a plus sign first.
-fn swept(k: u64) -> u32 {
-    (if k < FINITE { k } else { k - FINITE + NEGATIVE }) as u32
 }
 
 /// How the measured errors of an operation relate to what is promised.

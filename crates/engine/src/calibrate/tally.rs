@@ -6,12 +6,13 @@ use serde::{Deserialize, Serialize};
 
 use judge::profile::{BINS, CLASSES, Interval, Op, Profile, Sieve, accept, bin_of, grid, may_promise};
 use judge::single::Arguments;
+use judge::single::kernel::SWEEP;
 use lanes::Stage;
 
 /// Samples that one thread takes at a time.
 const CHUNK: usize = 1 << 15;
 
-/// Samples of a sweep whose exact values are computed at once.
+/// Samples of a sweep whose exact values are computed at once; a multiple of [`SWEEP`].
 const COLUMN: usize = 256;
 
 /// In the place of an error: no value is defined.
@@ -62,7 +63,7 @@ impl Worst {
         }
     }
 
-    fn merge(&mut self, other: &Self) {
+    pub(super) fn merge(&mut self, other: &Self) {
         self.take(other.value(), other.at, other.result);
     }
 }
@@ -80,6 +81,9 @@ pub struct Bin {
     pub histogram: [u64; CLASSES.len() + 1],
     /// Samples with an infinity or NaN in place of a number.
     pub wild: u64,
+    /// One of them, with an infinite value.
+    #[serde(default)]
+    pub wild_at: Worst,
 }
 
 /// Results of one operation.
@@ -160,12 +164,13 @@ impl<'a> Judge<'a> {
         })
     }
 
-    /// Tallies the results for neighbouring words of one bin: the same as [`Judge::tally`] for a
-    /// function of one argument, without what most samples do not need.
-    pub fn tally_neighbours(&self, first: u32, results: &[u32], function: fn(&[f64], &mut [f64])) -> Tally {
+    /// Tallies the results for words of one bin: the same as [`Judge::tally`] for a function of one argument,
+    /// without what most samples do not need. `firsts` are in ascending order; for each of them there are the
+    /// results for it and the [`SWEEP`] − 1 words behind it.
+    pub fn tally_neighbours(&self, firsts: &[u32], results: &[u32], function: fn(&[f64], &mut [f64])) -> Tally {
         let mut tally = Tally::default();
-        let ends = [first, first + results.len() as u32 - 1].map(|w| f64::from(f32::from_bits(w)));
-        let range = Interval::hull(ends);
+        let (Some(&first), Some(&last)) = (firsts.first(), firsts.last()) else { return tally };
+        let range = Interval::hull([first, last + SWEEP as u32 - 1].map(|w| f64::from(f32::from_bits(w))));
         let bin = (first >> 23) as usize;
         let promises = range.is_some_and(|range| may_promise(self.text, self.op, range));
         let everything = Sieve { ulp: f64::INFINITY, abs: f64::INFINITY };
@@ -174,10 +179,11 @@ impl<'a> Judge<'a> {
         let least_size = if normal { grid::MIN_NORMAL } else { f64::INFINITY };
         let mut plain = [0_u64; CLASSES.len() + 1];
         let (mut arguments, mut exact, mut errors) = ([0.0; COLUMN], [0.0; COLUMN], [0.0; COLUMN]);
-        for (column, results) in (0_u32..).zip(results.chunks(COLUMN)) {
-            let first = first + column * COLUMN as u32;
-            for (word, x) in (first..).zip(&mut arguments) {
-                *x = f64::from(f32::from_bits(word));
+        for (firsts, results) in firsts.chunks(COLUMN / SWEEP).zip(results.chunks(COLUMN)) {
+            for (first, group) in firsts.iter().zip(arguments.chunks_exact_mut(SWEEP)) {
+                for (word, x) in (*first..).zip(group) {
+                    *x = f64::from(f32::from_bits(word));
+                }
             }
             let count = results.len();
             let (exact, errors) = (&mut exact[..count], &mut errors[..count]);
@@ -217,7 +223,8 @@ impl<'a> Judge<'a> {
             plain.iter_mut().zip(classes.into_iter().chain([rest])).for_each(|(sum, class)| *sum += class);
             if long > 0 {
                 for (k, &result) in results.iter().enumerate().filter(|(k, _)| errors[*k] == LONG_WAY) {
-                    self.one_with(&mut tally, [first + k as u32, 0, 0], result, exact[k], promises.then_some(sieve));
+                    let word = firsts[k / SWEEP] + (k % SWEEP) as u32;
+                    self.one_with(&mut tally, [word, 0, 0], result, exact[k], promises.then_some(sieve));
                 }
             }
         }
@@ -269,6 +276,7 @@ impl<'a> Judge<'a> {
                 bin.histogram[class] += 1;
             } else {
                 bin.wild += 1;
+                bin.wild_at.take(f64::INFINITY, arguments, result);
             }
         }
         let record = ulp > tally.promised_ulp.value() || error > tally.promised_abs.value();
@@ -342,6 +350,7 @@ impl Tally {
         for (a, b) in self.bins.iter_mut().zip(&other.bins).filter(|(_, b)| b.samples > 0) {
             a.samples += b.samples;
             a.wild += b.wild;
+            a.wild_at.merge(&b.wild_at);
             a.ulp.merge(&b.ulp);
             a.abs.merge(&b.abs);
             for (a, b) in a.histogram.iter_mut().zip(b.histogram) {

@@ -1,12 +1,14 @@
 use std::cell::Cell;
 
+use super::device::{DISPATCH, swept};
 use super::*;
 use base::text::SourceFile;
+use base::value::Batch;
 use judge::profile::{Allowed, Definition, Flush, Rounding, accept, parse};
-use lanes::{Actual, Api, Description, Marks};
+use lanes::{Actual, Api, Description, Marks, Runner};
 use program::Kernel;
 
-type Function = fn(&[f32]) -> f32;
+pub(super) type Function = fn(&[f32]) -> f32;
 
 /// A device that computes one function on the host.
 pub(super) struct Soft {
@@ -72,9 +74,9 @@ impl Runner for SoftRunner {
     }
 }
 
-fn request(ops: &[Op], samples: u64) -> Request {
+pub(super) fn request(ops: &[Op], samples: u64) -> Request {
     let ops = ops.iter().map(|op| op.name().to_owned()).collect();
-    Request { ops, samples, exhaustive: false, driver: "soft 1".to_owned(), part: whole() }
+    Request { ops, samples, exhaustive: false, search: 0, driver: "soft 1".to_owned(), part: whole() }
 }
 
 fn measured(op: Op, function: Function) -> Tally {
@@ -89,7 +91,7 @@ fn standing(op: Op, function: Function) -> Standing {
 }
 
 /// The correctly rounded value of a function of one argument.
-fn rounded(op: Op, x: f32) -> f32 {
+pub(super) fn rounded(op: Op, x: f32) -> f32 {
     op.exact(&[f64::from(x)]) as f32
 }
 
@@ -225,10 +227,9 @@ fn a_sweep_counts_every_finite_number_once() {
     let (text, suite) = promises();
     let judge = Judge::new(Op::Sqrt, text, suite, Stage::Compute);
     let mut device = MeasuredDevice::new(&lane, Op::Sqrt, true).unwrap();
-    let mut tally = Tally::default();
     // The last numbers of one sign and the first of the other.
     let step = DISPATCH as u64 * kernel::SWEEP as u64;
-    device.block(&judge, FINITE - step..FINITE + step, &mut tally).unwrap();
+    let tally = device.block(&judge, FINITE - step..FINITE + step).unwrap();
     assert_eq!(tally.samples, 2 * step);
     assert_eq!(tally.undefined, step - 1, "all with a minus sign but zero");
     assert!(tally.worst_ulp().value() <= 0.5);
@@ -268,10 +269,17 @@ fn the_quick_tally_is_the_plain_one() {
                 }
             })
             .collect();
-        let quick = judge.tally_neighbours(first, &results, op.column().unwrap());
-        let plain = judge.tally(results.len(), |k| ([first + k as u32, 0, 0], results[k]));
-        assert_eq!(quick.bins, plain.bins, "{op:?}");
-        assert_eq!(quick, plain, "{op:?}");
+        // All groups, and some of them.
+        for step in [1, 3] {
+            let width = kernel::SWEEP;
+            let firsts: Vec<u32> = (first..first + 0x1000).step_by(width * step).collect();
+            let results: Vec<u32> = results.chunks(width).step_by(step).flatten().copied().collect();
+            let quick = judge.tally_neighbours(&firsts, &results, op.column().unwrap());
+            let word = |k: usize| firsts[k / width] + (k % width) as u32;
+            let plain = judge.tally(results.len(), |k| ([word(k), 0, 0], results[k]));
+            assert_eq!(quick.bins, plain.bins, "{op:?}");
+            assert_eq!(quick, plain, "{op:?}");
+        }
     }
 }
 
@@ -473,9 +481,9 @@ fn parts_cover_the_samples_and_begin_where_a_sweep_may() {
 fn parts_of_a_measurement_join_in_any_order() {
     // Many samples share the largest error: which of them is kept must not depend on the order.
     let function: Function = |a| if a[0].abs() < 2.0 { a[0] + 0.5 } else { a[0] };
-    let ops = [Op::Floor, Op::Add];
+    let ops = [Op::Floor, Op::Add, Op::Ceil];
     let part = |index, count| {
-        let mut state = State::new(Request { part: (index, count), ..request(&ops, 3000) });
+        let mut state = State::new(Request { part: (index, count), search: 40_000, ..request(&ops, 3000) });
         run(&Soft::new(function), &mut state, &mut |_, _| Ok(())).unwrap();
         assert_eq!(state.done(), state.request().total());
         state
@@ -487,6 +495,6 @@ fn parts_of_a_measurement_join_in_any_order() {
         assert_eq!(joined, whole, "{order:?}");
     }
     let mut other = part(0, 2);
-    let begun = State::new(Request { part: (1, 2), ..request(&ops, 3000) });
+    let begun = State::new(Request { part: (1, 2), search: 40_000, ..request(&ops, 3000) });
     assert!(other.join(begun).unwrap_err().to_string().contains("a part of it is not complete"));
 }

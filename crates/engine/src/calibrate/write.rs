@@ -11,7 +11,7 @@ use lanes::{Description, Stage};
 ///
 /// Measured on llvmpipe of Mesa 22.3.6: with 2^22 samples, the largest error of all 2^32 arguments was
 /// in no binade more than 1.25 times that of the samples for `exp2`, and 1.95 times for `sin`.
-const MARGIN: f64 = 2.0;
+pub(super) const MARGIN: f64 = 2.0;
 
 /// What a profile of a device is made of.
 pub struct Document<'a> {
@@ -133,7 +133,7 @@ fn operation(line: &mut impl FnMut(String), op: Op, tally: &Tally, exhaustive: b
 
 /// Errors up to this many ULP cannot be told from half an ULP: the references are no better, nor is a
 /// function that a device computes in more digits and rounds once.
-const ROUNDED: f64 = 0.5 + 1.0 / 1_048_576.0;
+pub(super) const ROUNDED: f64 = 0.5 + 1.0 / 1_048_576.0;
 /// Errors up to this many ULP are bounded by their ULP alone, as good as always, and not by their size.
 const FEW_ULP: f64 = 4.0;
 /// Factor between errors that are about the same.
