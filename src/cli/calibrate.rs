@@ -1,5 +1,7 @@
 //! `shadercheck calibrate`: measures the operations of a device.
 
+mod against;
+mod contribute;
 mod shared;
 mod table;
 
@@ -20,10 +22,17 @@ use base::text::{Shown, SourceFile};
 use disk::fresh;
 use engine::calibrate::{self, Document, Request, Standing, State, confirmed, measurable, probe};
 use engine::shard::Shard;
-use judge::profile::{self, Op};
+use judge::profile::{self, Op, Profile};
 use lanes::{Lane, Stage, open_first};
 
+use against::{Comparison, Reference};
+use contribute::Contribution;
+
 pub use shared::ShardResult;
+
+/// Results that a search computes for each sample, without --search. On two cores and llvmpipe, the search of a function
+/// takes about two seconds then.
+const SEARCHED: u64 = 64;
 
 /// Arguments of `shadercheck calibrate`.
 #[derive(Args, Clone, Debug)]
@@ -40,9 +49,20 @@ pub struct CalibrateArgs {
     /// Samples per operation, spread over all binades
     #[arg(long, value_name = "N", default_value_t = 1 << 22, value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
     pub samples: u64,
+    /// Results to compute in search of the worst arguments of each function of one argument, beside the samples; 0 for
+    /// none [default: 64 for each sample]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=1 << 40))]
+    pub search: Option<u64>,
     /// File for the measured profile [default: LANE.profile.toml in this folder]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
+    /// Compare with a profile, a file or a shipped one by name, instead of with what is promised: the status is 1 when the
+    /// device is worse than it says; a profile is written only with -o
+    #[arg(long, value_name = "FILE", conflicts_with = "shard")]
+    pub against: Option<String>,
+    /// Write the profile to send it to the project, and say how [default: the device and its version, in this folder]
+    #[arg(long, value_name = "FILE", num_args = 0..=1, conflicts_with_all = ["output", "builtin", "shard", "against"])]
+    pub contribute: Option<Option<PathBuf>>,
     /// Resume a run that was stopped, from the state beside the output
     #[arg(long)]
     pub resume: bool,
@@ -54,10 +74,17 @@ pub struct CalibrateArgs {
     pub format: Format,
 }
 
+impl CalibrateArgs {
+    /// Results that the search of a function may compute.
+    fn searched(&self) -> u64 {
+        self.search.unwrap_or_else(|| self.samples.saturating_mul(SEARCHED))
+    }
+}
+
 /// Runs the command: the table goes to `out`, the profile to its file, progress to `err`.
 ///
 /// The status is [`ExitStatus::Findings`] when the device breaks a promise in a way that the
-/// conformance suite would not accept either.
+/// conformance suite would not accept either; with `--against`, when it is worse than that profile says.
 ///
 /// # Errors
 /// When there is no such lane or operation, the device fails, or a file cannot be read or written.
@@ -88,7 +115,12 @@ pub fn run(args: &CalibrateArgs, out: &mut dyn Write, err: &mut dyn Write) -> an
 /// When the device fails, or a file cannot be read or written.
 pub fn run_on(args: &CalibrateArgs, ops: &[Op], lane: &dyn Lane, out: &mut dyn Write) -> anyhow::Result<ExitStatus> {
     let description = lane.description();
-    let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.profile.toml", description.name)));
+    let output = match (&args.contribute, &args.output) {
+        (Some(file), _) => file.clone().unwrap_or_else(|| contribute::default_file(&description.driver)),
+        (None, Some(file)) => file.clone(),
+        (None, None) => PathBuf::from(format!("{}.profile.toml", description.name)),
+    };
+    let against = args.against.as_ref().map(|argument| Reference::new(argument, args.output.as_deref())).transpose()?;
     let saved = beside(&output);
     let request = request(args, ops, lane, Shard::WHOLE);
     let mut state = State::new(request.clone());
@@ -113,7 +145,13 @@ pub fn run_on(args: &CalibrateArgs, ops: &[Op], lane: &dyn Lane, out: &mut dyn W
         fresh::write(&saved, &text)
     })?;
     bar.finish_and_clear();
-    let status = conclude(&state, &output, lane, args.format == Format::Json, out)?;
+    let ending = Ending {
+        output: (against.is_none() || args.output.is_some()).then_some(&output),
+        against: against.as_ref(),
+        contributed: args.contribute.is_some(),
+        json: args.format == Format::Json,
+    };
+    let status = conclude(&state, lane, &ending, out)?;
     if !streamed && saved.exists() {
         fs::remove_file(&saved).with_context(|| format!("cannot remove `{}`", saved.shown()))?;
     }
@@ -125,44 +163,68 @@ fn request(args: &CalibrateArgs, ops: &[Op], lane: &dyn Lane, shard: Shard) -> R
         ops: ops.iter().map(|op| op.name().to_owned()).collect(),
         samples: args.samples,
         exhaustive: args.exhaustive,
-        search: 0,
+        search: args.searched(),
         driver: lane.description().driver.clone(),
         part: (shard.index(), shard.count()),
     }
 }
 
-/// Writes the profile of a device that was measured, and prints the table.
-fn conclude(
-    state: &State,
-    output: &Path,
-    lane: &dyn Lane,
+/// What is done with a measurement.
+#[derive(Default)]
+struct Ending<'a> {
+    /// Where the profile goes; nowhere without.
+    output: Option<&'a PathBuf>,
+    /// The profile that the device is compared with.
+    against: Option<&'a Reference>,
+    /// The profile is for everybody.
+    contributed: bool,
     json: bool,
-    out: &mut dyn Write,
-) -> anyhow::Result<ExitStatus> {
+}
+
+/// Writes the profile of a device that was measured, and prints the table.
+fn conclude(state: &State, lane: &dyn Lane, ending: &Ending<'_>, out: &mut dyn Write) -> anyhow::Result<ExitStatus> {
     let description = lane.description();
     let compute = probe(lane, Stage::Compute)?;
     let vertex = description.stages.contains(&Stage::Vertex).then(|| probe(lane, Stage::Vertex)).transpose()?;
     let date = day_of(SystemTime::now());
     let vertex = vertex.as_ref();
     let document = Document { lane: description, state, compute: &compute, vertex, definitions: &[], date: &date };
-    let bounds = profile::parse(&SourceFile::new(output.shown().to_string(), document.text()), &|name| {
-        profile::by_name(name).cloned()
-    })
-    .context("what was measured cannot be read back, which is a defect of this program")?;
+    let bounds = read_back(&document.text())?;
     let definitions = confirmed(lane, &bounds)?;
     let text = Document { definitions: &definitions, ..document }.text();
-    fresh::write(output, text.as_bytes()).with_context(|| format!("cannot write `{}`", output.shown()))?;
+    let profile = read_back(&text)?;
+    if let Some(output) = ending.output {
+        fresh::write(output, text.as_bytes()).with_context(|| format!("cannot write `{}`", output.shown()))?;
+    }
+    let comparison = ending.against.map(|then| then.compared(state, &profile));
+    let written = ending.output.filter(|_| ending.contributed);
+    let contribution = written.map(|file| Contribution { file, driver: &description.driver });
     let report = table::Report { lane: description, state, compute: &compute, vertex };
-    if json {
+    if ending.json {
         let mut json = report.json();
-        json["profile"] = output.shown().to_string().into();
+        json["profile"] = ending.output.map(|output| output.shown().to_string()).into();
+        json["against"] = comparison.as_ref().map(Comparison::json).into();
+        json["contribution"] = contribution.as_ref().map(Contribution::json).into();
         writeln!(out, "{json:#}")?;
     } else {
         out.write_all(report.text().as_bytes())?;
-        writeln!(out, "\nThe measured profile is in {0}; use it with `check --profile {0}`.", output.shown())?;
+        if let Some(output) = ending.output {
+            writeln!(out, "\nThe measured profile is in {0}; use it with `check --profile {0}`.", output.shown())?;
+        }
+        for text in [comparison.as_ref().map(Comparison::text), contribution.as_ref().map(Contribution::text)] {
+            text.map_or(Ok(()), |text| write!(out, "\n{text}"))?;
+        }
     }
-    let outside = state.measurements().into_iter().any(|(op, tally)| Standing::of(op, tally) == Standing::Outside);
-    Ok(if outside { ExitStatus::Findings } else { ExitStatus::Clean })
+    let outside = || state.measurements().into_iter().any(|(op, tally)| Standing::of(op, tally) == Standing::Outside);
+    let worse = comparison.map_or_else(outside, |comparison| !comparison.is_clean());
+    Ok(if worse { ExitStatus::Findings } else { ExitStatus::Clean })
+}
+
+/// The profile that the text of one is.
+fn read_back(text: &str) -> anyhow::Result<Profile> {
+    let base = |name: &str| profile::by_name(name).cloned();
+    profile::parse(&SourceFile::new("measurement", text), &base)
+        .context("what was measured cannot be read back, which is a defect of this program")
 }
 
 /// The operations of these names; all that can be measured without any.

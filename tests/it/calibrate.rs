@@ -11,8 +11,11 @@ use lanes::{Actual, Description, Lane, LaneError, Marks, Runner, Stage, vulkan};
 use program::{Kernel, OutputLayout};
 use serde_json::Value;
 use shadercheck::cli::calibrate::{CalibrateArgs, run_on};
+use shadercheck::cli::check::Format;
 use shadercheck::cli::status::ExitStatus;
 use shadercheck::cli::{Cli, Command};
+
+use crate::binary::run_in;
 
 fn arguments(output: &Path, line: &str) -> CalibrateArgs {
     let words = ["shadercheck", "calibrate", "--format", "json"].into_iter().chain(line.split_whitespace());
@@ -148,4 +151,102 @@ fn an_unknown_lane_is_refused_with_a_suggestion() {
     let args = CalibrateArgs { lane: Some("vulcan".to_owned()), ..arguments(Path::new("p.toml"), "") };
     let error = shadercheck::cli::calibrate::run(&args, &mut Vec::new(), &mut Vec::new()).unwrap_err();
     assert_eq!(error.to_string(), "there is no lane `vulcan`; did you mean `vulkan`?");
+}
+
+#[test]
+fn a_device_that_is_worse_than_a_profile_fails_and_its_twin_passes() {
+    let folder = tempfile::tempdir().unwrap();
+    let (plain, shifted) = (vulkan::open().unwrap(), Shifted { inner: vulkan::open().unwrap() });
+    let ops = [Op::Sin, Op::Add];
+    let file = |name: &str| folder.path().join(name);
+    let against = |lane: &dyn Lane, then: &str| {
+        let mut args = arguments(&file("unused.toml"), &format!("--samples 20000 --against {}", file(then).display()));
+        args.output = None;
+        let mut out = Vec::new();
+        let status = run_on(&args, &ops, lane, &mut out).unwrap();
+        let report: Value = serde_json::from_slice(&out).unwrap();
+        args.format = Format::Text;
+        out.clear();
+        assert_eq!(run_on(&args, &ops, lane, &mut out).unwrap(), status);
+        (status, report, String::from_utf8(out).unwrap())
+    };
+    run_on(&arguments(&file("plain.toml"), "--samples 20000"), &ops, plain.as_ref(), &mut Vec::new()).unwrap();
+    run_on(&arguments(&file("shifted.toml"), "--samples 20000"), &ops, &shifted, &mut Vec::new()).unwrap();
+
+    for (lane, then) in [(plain.as_ref(), "plain.toml"), (&shifted as &dyn Lane, "shifted.toml")] {
+        let (status, report, text) = against(lane, then);
+        assert_eq!(status, ExitStatus::Clean, "{text}");
+        assert!(text.ends_with(&format!("\nNothing is worse than {} says.\n", file(then).display())), "{text}");
+        assert_eq!((&report["against"]["worse"], &report["profile"]), (&Value::Array(vec![]), &Value::Null));
+    }
+    let (status, report, text) = against(&shifted, "plain.toml");
+    assert_eq!(status, ExitStatus::Findings);
+    let lines: Vec<&str> = text.lines().filter(|line| line.starts_with("worse: ")).collect();
+    let [line] = lines[..] else { panic!("{text}") };
+    assert!(line.starts_with("worse: sin is off by ") && line.contains("plain.toml allows "), "{line}");
+    let worse = report["against"]["worse"].as_array().unwrap();
+    assert_eq!((worse.len(), &worse[0]["operation"]), (1, &"sin".into()));
+    assert!(worse[0]["ulp"].as_f64() > worse[0]["allowed_ulp"].as_f64(), "{report:#}");
+    let float = worse[0]["at_hex_float"][0].as_str().unwrap();
+    assert!(float.contains("0x") && line.contains(float), "{float} in {line}");
+}
+
+#[test]
+fn a_profile_that_cannot_be_compared_with_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let measure =
+        |words: &str| run_in(folder.path(), &format!("calibrate --lane embedded --builtin add --samples 64 {words}"));
+    measure("-o mine.toml").expect(0);
+    measure("--against mine.toml").expect(0);
+    let files = || std::fs::read_dir(folder.path()).unwrap().count();
+    assert_eq!(files(), 1, "no profile is written without -o");
+    let error = |words: &str, said: &str| {
+        let ran = measure(words).expect(2);
+        assert!(ran.err.contains(said) && ran.out.is_empty(), "{ran:?}");
+    };
+    error("--against gone.toml", "cannot read the profile `gone.toml`");
+    error("--against llvmpip-22.3.6", "did you mean `llvmpipe-22.3.6`?");
+    error("--against none", "leaves nothing to compare with");
+    error("--against mine.toml -o ./mine.toml", "would replace the profile of --against");
+    error("--against mine.toml --shard 0/2", "cannot be used with");
+    let text = std::fs::read_to_string(folder.path().join("mine.toml")).unwrap();
+    std::fs::write(folder.path().join("mine.toml"), text.replacen("\nsamples = ", "\nsample = ", 1)).unwrap();
+    error("--against mine.toml", "mine.toml:");
+}
+
+#[test]
+fn a_contribution_is_one_profile_that_says_where_it_goes() {
+    let folder = tempfile::tempdir().unwrap();
+    let ran = run_in(folder.path(), "calibrate --lane embedded --samples 64 --search 0 --contribute").expect(0);
+    let name = format!("interpreter-of-shadercheck-{}.toml", env!("CARGO_PKG_VERSION"));
+    let files: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|f| f.unwrap().file_name()).collect();
+    assert_eq!(files, [name.as_str()]);
+    let text = std::fs::read_to_string(folder.path().join(&name)).unwrap();
+    parse(&SourceFile::new("contribution", text), &|name| by_name(name).cloned()).unwrap();
+    for said in [env!("CARGO_PKG_REPOSITORY"), &format!("crates/judge/profiles/{name}"), "has no version"] {
+        assert!(ran.out.contains(said), "{said} is not in {}", ran.out);
+    }
+    run_in(folder.path(), "calibrate --lane embedded --builtin add --contribute").expect(2);
+    let named = "calibrate --lane embedded --samples 64 --search 0 --format json --contribute mine.toml";
+    let json = run_in(folder.path(), named).expect(0).json();
+    assert_eq!((&json["contribution"]["file"], &json["contribution"]["shipped"]), (&"mine.toml".into(), &Value::Null));
+    assert!(folder.path().join("mine.toml").exists());
+}
+
+#[test]
+fn figures_say_what_they_are_and_where() {
+    let folder = tempfile::tempdir().unwrap();
+    let measure =
+        |words: &str| run_in(folder.path(), &format!("calibrate --lane embedded --builtin {words} -o o.toml"));
+    let text = measure("sin,add --samples 1000").expect(0).out;
+    let sine = text.lines().find(|line| line.starts_with("sin ")).unwrap();
+    assert!(sine.contains(" lower bound ") && sine.contains("0x1."), "{sine}");
+    let json = measure("sin,add --samples 1000 --format json").expect(0).json();
+    for operation in json["operations"].as_array().unwrap() {
+        let figure = &operation["promised"]["ulp"];
+        assert_eq!(figure["figure"], "lower bound", "{operation:#}");
+        let (bits, float) = (figure["at"][0].as_str().unwrap(), figure["at_hex_float"][0].as_str().unwrap());
+        let bits = u32::from_str_radix(bits.trim_start_matches("0x"), 16).unwrap();
+        assert_eq!(float, base::value::F32Bits(bits).to_hex_float());
+    }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::{CalibrateArgs, bar, conclude, open, request};
+use super::{CalibrateArgs, Ending, bar, conclude, open, request};
 use crate::cli::check::Format;
 use crate::cli::shard::{Earlier, Printed, Printing, Store};
 use crate::cli::status::ExitStatus;
@@ -44,6 +44,7 @@ pub fn run(
         .with("--builtin", names.join(","))
         .with("--exhaustive", args.exhaustive)
         .with("--samples", args.samples)
+        .with("--search", args.searched())
         .with(OUTPUT, output.display());
     let store = Store::new(&args.sharing.shard_dir, shard, identity)?;
     let json = args.format == Format::Json;
@@ -83,6 +84,7 @@ impl Printed for ShardResult {
             "the shards measured {measured}, and this machine has {here}; merge where the device is"
         );
         let output = PathBuf::from(parameter(OUTPUT).map_or("measured.profile.toml", String::as_str));
-        conclude(&self.0, &output, lane.as_ref(), !to.format.is_text(), to.out)
+        let ending = Ending { output: Some(&output), json: !to.format.is_text(), ..Ending::default() };
+        conclude(&self.0, lane.as_ref(), &ending, to.out)
     }
 }

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde_json::{Value, json};
 
 use base::value::F32Bits;
-use engine::calibrate::{Behaviour, Standing, State, Tally, Worst, promises};
+use engine::calibrate::{Arguments, Behaviour, Standing, State, Tally, Worst, promises};
 use judge::profile::Op;
 use lanes::Description;
 
@@ -26,18 +26,25 @@ impl Report<'_> {
         let _ = writeln!(text, "{} ({})", self.lane.name, self.lane.driver);
         let _ =
             writeln!(text, "promise: {} ({}), {} ({})\n", promise.name, promise.revision, suite.name, suite.revision);
+        let measurements = self.state.measurements();
+        let promises: Vec<String> = measurements.iter().map(|(op, _)| promise.entry(*op).to_string()).collect();
+        let width = promises.iter().map(|promise| promise.chars().count()).chain([8]).max().unwrap_or(0);
         let _ = writeln!(
             text,
-            "{:<12} {:>11}  {:>9}  {:>9}  {:<30} {:>8}  {:<32} promised",
-            "operation", "samples", "max ULP", "max abs", "at", "ratio", "verdict"
+            "{:<12} {:>11}  {:>9}  {:>9}  {:>8}  {:<11}  {:<32}  {:<width$}  at",
+            "operation", "samples", "max ULP", "max abs", "ratio", "figures are", "verdict", "promised"
         );
-        for (op, tally) in self.state.measurements() {
-            let line = row(op, tally);
+        for ((op, tally), promise) in measurements.into_iter().zip(promises) {
+            let line = row(op, tally, self.counts(op), self.extent(op), &format!("{promise:<width$}"));
             let _ = writeln!(text, "{}", line.trim_end());
         }
-        let _ =
-            writeln!(text, "\nmax ULP and max abs: where an error is promised, if anywhere; at: arguments of max ULP");
-        let _ = writeln!(text, "ratio: largest error as a part of what the text of the specification allows\n");
+        let _ = writeln!(text, "\nmax ULP and max abs: where an error is promised, if anywhere");
+        let _ = writeln!(text, "ratio: largest error as a part of what the text of the specification allows");
+        let _ = writeln!(
+            text,
+            "figures are: exhaustive where all arguments were tried; a lower bound where another argument may be off further"
+        );
+        let _ = writeln!(text, "at: arguments of max ULP; those of max abs and of ratio where they are others\n");
         for (stage, behaviour) in [("compute", Some(self.compute)), ("vertex", self.vertex)] {
             let Some(b) = behaviour else { continue };
             let _ = writeln!(
@@ -52,6 +59,17 @@ impl Report<'_> {
             );
         }
         text
+    }
+
+    /// What the figures of an operation are.
+    fn extent(&self, op: Op) -> &'static str {
+        if self.state.request().sweeps(op) { "exhaustive" } else { "lower bound" }
+    }
+
+    /// True where no argument was counted twice. A search computes all results of a binade of which it has seen some.
+    fn counts(&self, op: Op) -> bool {
+        let request = self.state.request();
+        request.sweeps(op) || request.search == 0 || op.arity() != Some(1)
     }
 
     /// The same for programs. Floats that JSON cannot hold are texts.
@@ -72,16 +90,17 @@ impl Report<'_> {
             .measurements()
             .into_iter()
             .map(|(op, tally)| {
+                let place = |worst: &Worst| place(op, worst, self.extent(op));
                 json!({
                     "operation": op.name(),
                     "exhaustive": self.state.request().sweeps(op),
                     "samples": tally.samples,
                     "undefined": tally.undefined,
                     "flushed": tally.flushed,
-                    "all": {"ulp": place(op, &tally.worst_ulp()), "abs": place(op, &tally.worst_abs())},
-                    "promised": {"ulp": place(op, &tally.promised_ulp), "abs": place(op, &tally.promised_abs)},
+                    "all": {"ulp": place(&tally.worst_ulp()), "abs": place(&tally.worst_abs())},
+                    "promised": {"ulp": place(&tally.promised_ulp), "abs": place(&tally.promised_abs)},
                     "promise": promise.entry(op).to_string(),
-                    "ratio": place(op, &tally.ratio),
+                    "ratio": place(&tally.ratio),
                     "outside_text": tally.outside_text,
                     "outside_suite": tally.outside_suite,
                     "verdict": Standing::of(op, tally).name(),
@@ -100,31 +119,37 @@ impl Report<'_> {
     }
 }
 
-fn row(op: Op, tally: &Tally) -> String {
-    let (promise, _) = promises();
+fn row(op: Op, tally: &Tally, counts: bool, extent: &str, promise: &str) -> String {
     let standing = Standing::of(op, tally);
     let seen = tally.promised_ulp.value() > 0.0 || standing != Standing::NoPromise;
     let (ulp, abs) =
         if seen { (tally.promised_ulp, tally.promised_abs) } else { (tally.worst_ulp(), tally.worst_abs()) };
     let counted = match standing {
+        standing if !counts => standing.name().to_owned(),
         Standing::Inside | Standing::NoPromise => standing.name().to_owned(),
         Standing::InsideSuite => format!("{} ({})", standing.name(), tally.outside_text),
         Standing::Outside => format!("{} ({})", standing.name(), tally.outside_suite),
     };
+    let mut places: Vec<String> = Vec::new();
+    for (name, worst) in [("", ulp), ("max abs at ", abs), ("ratio at ", tally.ratio)] {
+        let place = arguments(op, &worst.at);
+        if worst.value() > 0.0 && !places.iter().any(|known| known.ends_with(&place)) {
+            places.push(format!("{name}{place}"));
+        }
+    }
     format!(
-        "{:<12} {:>11}  {:>9}  {:>9}  {:<30} {:>8}  {counted:<32} {}",
+        "{:<12} {:>11}  {:>9}  {:>9}  {:>8}  {extent:<11}  {counted:<32}  {promise}  {}",
         op.name(),
         tally.samples,
         short(ulp.value()),
         short(abs.value()),
-        if ulp.value() > 0.0 { arguments(op, &ulp) } else { String::new() },
         short(tally.ratio.value()),
-        promise.entry(op)
+        places.join("; ")
     )
 }
 
 /// Three significant digits.
-fn short(x: f64) -> String {
+pub fn short(x: f64) -> String {
     match x.abs() {
         0.0 => "0".to_owned(),
         size if (0.01..1000.0).contains(&size) => format!("{x:.3}"),
@@ -133,19 +158,31 @@ fn short(x: f64) -> String {
     }
 }
 
-fn arguments(op: Op, worst: &Worst) -> String {
-    let shown = worst.at.iter().take(op.arity().unwrap_or(0)).map(|w| F32Bits(*w).to_string());
-    shown.collect::<Vec<_>>().join(", ")
+/// Arguments as decimal and as hexadecimal floats.
+pub fn arguments(op: Op, at: &Arguments) -> String {
+    let shown = at.iter().take(op.arity().unwrap_or(0)).map(|word| F32Bits(*word));
+    let both = shown.map(|x| match (x.to_string(), x.to_hex_float()) {
+        (decimal, hexadecimal) if decimal == hexadecimal => decimal,
+        (decimal, hexadecimal) => format!("{decimal} ({hexadecimal})"),
+    });
+    both.collect::<Vec<_>>().join(", ")
 }
 
-fn place(op: Op, worst: &Worst) -> Value {
-    let value = worst.value();
+fn place(op: Op, worst: &Worst, extent: &str) -> Value {
     let bits = |w: &u32| Value::from(format!("0x{w:08x}"));
+    let at = || worst.at.iter().take(op.arity().unwrap_or(0));
     json!({
-        "value": if value.is_finite() { json!(value) } else { json!(value.to_string()) },
-        "at": worst.at.iter().take(op.arity().unwrap_or(0)).map(bits).collect::<Vec<_>>(),
+        "value": float(worst.value()),
+        "figure": extent,
+        "at": at().map(bits).collect::<Vec<_>>(),
+        "at_hex_float": at().map(|w| F32Bits(*w).to_hex_float()).collect::<Vec<_>>(),
         "result": bits(&worst.result),
     })
+}
+
+/// A number; as a text where JSON cannot hold it.
+pub fn float(value: f64) -> Value {
+    if value.is_finite() { json!(value) } else { json!(value.to_string()) }
 }
 
 fn flush(name: &str) -> &'static str {
