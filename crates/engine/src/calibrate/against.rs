@@ -1,11 +1,11 @@
 //! Whether a device is further off than a profile says.
 
-use judge::profile::{Allowed, Entry, Flush, Op, Profile, Rounding, accept, grid};
+use judge::profile::{Allowed, Entry, Flush, Op, Profile, Rounding, accept, bin_of, grid};
 use judge::single::Arguments;
 use lanes::Stage;
 
-use super::State;
 use super::definition::by_parts;
+use super::{State, promises};
 
 /// Errors beyond what is allowed by less than this many ULP cannot be told from none: the references are no better.
 const UNSURE: f64 = 1.0 / 1_048_576.0;
@@ -61,9 +61,19 @@ fn exceeding(profile: &Profile, op: Op, at: Arguments, result: u32) -> Option<Wo
         return None;
     }
     let allowed = match profile.entry(op) {
-        Entry::Measured(_) => match profile.allowed(op, args, exact, Stage::Compute) {
+        Entry::Measured(table) => match profile.allowed(op, args, exact, Stage::Compute) {
+            // Where no API promises anything, as for the sine of 10^30, errors in ULP next to a zero of the function have
+            // no largest one: samples tell nothing of the next. The absolute error remains.
+            Allowed::Bound(bound) if accept(promises().0, op, args, Stage::Compute).is_err() => {
+                let bin = bin_of(op.key(args))?;
+                let rows = table.rows.iter().filter(|row| (row.bins.0..=row.bins.1).contains(&bin));
+                rows.map(|row| table.margin * row.abs).fold(bound, f64::max)
+            }
             Allowed::Bound(bound) => bound,
-            Allowed::Inherited { .. } => by_parts(profile, op, args, exact)?,
+            Allowed::Inherited { .. } => {
+                accept(promises().0, op, args, Stage::Compute).ok()?;
+                by_parts(profile, op, args, exact)?
+            }
             Allowed::NoPromise | Allowed::OutsideDomain => return None,
         },
         Entry::Promised(_) => {
@@ -152,6 +162,21 @@ mod tests {
         let elsewhere: Function = |a| if a[0] == 3.0 { 8.0_f32.next_up() } else { off(a[0], 3) };
         let [found] = worse(elsewhere)[..] else { panic!("one operation") };
         assert_eq!((f32::from_bits(found.at[0]), f32::from_bits(found.result)), (3.0, 8.0_f32.next_up()));
+    }
+
+    #[test]
+    fn where_nothing_is_promised_the_absolute_error_counts() {
+        // Beyond the promise of the sine, off by a hundredth, at most next to a zero by far more ULP than any sample shows.
+        let off: Function = |a| rounded(Op::Sin, a[0]) + if a[0] > 1000.0 { 0.01 } else { 0.0 };
+        let then = profile(&measured(&[Op::Sin], off), &PLAIN);
+        let dense = |function| {
+            let mut state = State::new(request(&[Op::Sin], 400_000));
+            run(&Soft::new(function), &mut state, &mut |_, _| Ok(())).unwrap();
+            worsened(&state, &then)
+        };
+        assert_eq!(dense(off), []);
+        assert_eq!(dense(|a| rounded(Op::Sin, a[0]) + if a[0] > 1000.0 { 0.1 } else { 0.0 }).len(), 1);
+        assert_eq!(dense(|a| rounded(Op::Sin, a[0]) + if a[0] == 3.0 { 1e-6 } else { 0.0 }).len(), 1);
     }
 
     #[test]
