@@ -1,4 +1,7 @@
-//! The page of the book with the errors of devices, out of the profiles that `shadercheck calibrate` wrote.
+//! The page of the book with the errors of devices, out of the profiles that `shadercheck calibrate` wrote, and the same as a
+//! file for programs.
+
+mod json;
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -24,22 +27,24 @@ struct Measured {
     verdict: String,
 }
 
-/// The page, of all profiles of a folder that name a device.
+/// The page, and the file for programs, of all profiles of a folder that name a device.
 ///
 /// # Errors
 /// When a profile cannot be read, or none names a device.
-pub fn page(profiles: &Path) -> Result<String> {
+pub fn pages(profiles: &Path) -> Result<(String, String)> {
     let mut devices = Vec::new();
     let entries = fs::read_dir(profiles).with_context(|| format!("cannot list {}", profiles.display()))?;
     let mut files: Vec<_> = entries.map(|entry| Ok(entry?.path())).collect::<Result<_>>()?;
     files.sort();
+    let mut tables = Vec::new();
     for file in files.iter().filter(|file| file.extension().is_some_and(|ending| ending == "toml")) {
         let text = fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
         let table: Table = text.parse().with_context(|| format!("{} is not TOML", file.display()))?;
         devices.extend(device(&table).with_context(|| format!("{} is no profile", file.display()))?);
+        tables.push(table);
     }
     ensure!(!devices.is_empty(), "no profile of {} names a device", profiles.display());
-    Ok(written(&devices))
+    Ok((written(&devices), json::table(tables.iter())?))
 }
 
 /// What a profile says of its device; nothing for one of a specification.
@@ -78,7 +83,8 @@ fn written(devices: &[Device]) -> String {
         The largest error that `shadercheck calibrate` met in each operation, in units in the last place of binary32, beside what \
         Vulkan promises. Made from the profiles that ship. An asterisk marks operations for which all 2^32 arguments were tried; \
         the others were sampled in every binade. *outside* means farther off than promised, *conformance only* that the promise \
-        is broken and the conformance suite of Vulkan does not see it.\n\n"
+        is broken and the conformance suite of Vulkan does not see it. [accuracy.json](accuracy.json) has the same for programs, \
+        with the arguments of the errors.\n\n"
         .to_owned();
     for device in devices {
         // Writing into a String does not fail.
@@ -125,7 +131,7 @@ mod tests {
     #[test]
     fn every_device_that_ships_is_a_column() {
         let profiles = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/judge/profiles");
-        let page = page(&profiles).unwrap();
+        let (page, _) = pages(&profiles).unwrap();
         for name in [
             "llvmpipe-22.3.6",
             "softpipe-22.3.6",

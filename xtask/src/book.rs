@@ -59,8 +59,9 @@ pub fn run(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
         .context("cannot copy ARCHITECTURE.md")?;
     let book = folder.join("docs").join("book");
     write(&book.join("src"), pages(&explain(&program, None)?, &|code| explain(&program, Some(code)))?, RULES)?;
-    let devices = accuracy::page(&workspace.join("crates/judge/profiles"))?;
-    write(&book.join("src"), (vec![("accuracy.md".to_owned(), devices)], ACCURACY.to_owned()), CALIBRATE)?;
+    let (page, table) = accuracy::pages(&workspace.join("crates/judge/profiles"))?;
+    let files = vec![("accuracy.md".to_owned(), page), ("accuracy.json".to_owned(), table)];
+    write(&book.join("src"), (files, ACCURACY.to_owned()), CALIBRATE)?;
     if Command::new("mdbook").arg("--version").output().is_err() {
         writeln!(messages, "xtask: mdBook is missing; to install it: cargo install mdbook --locked")?;
         return Ok(2);
