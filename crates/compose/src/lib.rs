@@ -254,7 +254,7 @@ pub(crate) const NAME_ITS_FOLDER: &str = "name its folder with `-I FOLDER`";
 /// True for errors that files which are not here take away: packages that nobody has named, and names that may stand there.
 /// A name that a module which is here does not declare is none of them.
 pub fn lack_files(found: &[Diagnostic]) -> bool {
-    let of_folder = |error: &Diagnostic| error.help.as_ref().is_some_and(|help| help.to_string() == NAME_ITS_FOLDER);
+    let of_folder = |error: &Diagnostic| error.help.as_ref().is_some_and(|help| *help == NAME_ITS_FOLDER);
     let gone = |error: &Diagnostic| error.code == errors::IMPORT && of_folder(error);
     found.iter().any(gone) && found.iter().all(|error| error.code == errors::FRAGMENT || gone(error))
 }

@@ -32,6 +32,7 @@ enum Kind {
     /// An option with one value.
     Value(&'static str),
     /// An option without a value, where this is true.
+    #[cfg(feature = "run")]
     Flag(&'static str),
     /// The text of a file, whose name `name` gives.
     Text,
@@ -164,6 +165,7 @@ pub fn listed() -> Vec<Value> {
             json!({ "type": "array", "items": { "type": "string" }, "description": take.about })
         }
         Kind::Word | Kind::Value(_) | Kind::Text | Kind::Name => json!({ "type": "string", "description": take.about }),
+        #[cfg(feature = "run")]
         Kind::Flag(_) => json!({ "type": "boolean", "description": take.about }),
     };
     let one = |tool: &Tool| {
@@ -237,6 +239,7 @@ pub fn asked(params: &Value, limit: u64) -> Result<Asked, String> {
                 options.extend(all.into_iter().map(|one| format!("{option}={one}")));
             }
             Kind::Value(option) => options.push(format!("{option}={}", word()?)),
+            #[cfg(feature = "run")]
             Kind::Flag(option) => {
                 if value.as_bool().ok_or_else(|| format!("`{}` is neither true nor false", take.name))? {
                     options.push(option.to_owned());
@@ -286,6 +289,7 @@ mod tests {
                 Kind::Each(_) => json!(["f"]),
                 Kind::Value("--level") => json!("strict"),
                 // The two exclude each other.
+                #[cfg(feature = "run")]
                 Kind::Flag(option) => json!(option == "--prove"),
                 Kind::Word | Kind::Value(_) | Kind::Text | Kind::Name => json!("a.frag"),
             };
@@ -307,8 +311,11 @@ mod tests {
         assert!(told(json!({ "name": "lint", "arguments": { "path": "a" } })).starts_with("`lint` takes no `path`"));
         assert!(told(json!({ "name": "explain" })).starts_with("`explain` needs `code`"));
         assert_eq!(told(json!({ "name": "lint", "arguments": { "limit": 0 } })), "`limit` is no number of seconds");
-        let yes = json!({ "name": "fuzz", "arguments": { "prove": "yes" } });
-        assert_eq!(told(yes), "`prove` is neither true nor false");
+        #[cfg(feature = "run")]
+        {
+            let yes = json!({ "name": "fuzz", "arguments": { "prove": "yes" } });
+            assert_eq!(told(yes), "`prove` is neither true nor false");
+        }
         let text = |name: &str| told(json!({ "name": "lint", "arguments": { "text": "", "name": name } }));
         assert_eq!(text("../a.frag"), "`../a.frag` is no plain file name");
         assert_eq!(text("-a.frag"), "`-a.frag` is no plain file name");
