@@ -283,3 +283,17 @@ fn bits_of_no_number_that_are_written_as_such_are_meant() {
         fn f(x: f32) -> f32 { if (x > 5e8) { return none() + endless(); } return FAULT; }\n";
     told(&both("none.wgsl", text, ""), NO_VALUE);
 }
+
+#[test]
+fn a_list_of_vertices_names_each_of_them_once() {
+    let text = "#version 460\n#extension GL_EXT_ray_tracing : require\nlayout(location = 0) rayPayloadInEXT vec3 color;\n\
+        layout(binding = 0) readonly buffer V { vec4 at[]; };\nlayout(binding = 1) readonly buffer I { uint list[]; };\n\
+        void main() { vec3 a = at[list[0]].xyz; vec3 b = at[list[1]].xyz; vec3 c = at[list[2]].xyz; float x = a.x;\n\
+        color = normalize(cross(b - a, c - a)) * FAULT; }\n";
+    let [wrong, right] = both("face.rchit", text, "");
+    assert!(wrong.code == 1 && wrong.out.contains(NO_VALUE), "{wrong:?}");
+    assert!(right.code == 0 && right.out.contains("0 findings"), "{right:?}");
+    let same = text.replace("at[list[2]]", "at[list[1]]");
+    let [_, right] = both("face.rchit", &same, "");
+    assert!(right.code == 1 && right.out.contains("of a zero vector"), "{right:?}");
+}

@@ -101,8 +101,8 @@ impl Report<'_> {
                     "promised": {"ulp": place(&tally.promised_ulp), "abs": place(&tally.promised_abs)},
                     "promise": promise.entry(op).to_string(),
                     "ratio": place(&tally.ratio),
-                    "outside_text": tally.outside_text,
-                    "outside_suite": tally.outside_suite,
+                    "outside_text": self.counts(op).then_some(tally.outside_text),
+                    "outside_suite": self.counts(op).then_some(tally.outside_suite),
                     "verdict": Standing::of(op, tally).name(),
                 })
             })

@@ -42,7 +42,9 @@ pub(super) fn with_more(
             if broken[k] {
                 let text = complete(text, &all).switched(switches, &[]);
                 let now = functions(&text, given.defines);
-                if known[k].iter().all(|name| now.contains(name)) && compiles(&text, given.defines) {
+                // The name of an include guard leaves nothing that could be wrong.
+                let whole = !now.is_empty() && known[k].iter().all(|name| now.contains(name));
+                if whole && compiles(&text, given.defines) {
                     (texts[k], broken[k], known[k]) = (text, false, now);
                 }
                 continue;
@@ -96,7 +98,8 @@ impl Search<'_> {
             let switches = [so_far, std::slice::from_ref(name)].concat();
             let Some(text) = (self.with)(&switches) else { continue };
             match first_error(&text, self.defines) {
-                None => return Some(text),
+                None if !functions(&text, self.defines).is_empty() => return Some(text),
+                None => {}
                 Some(other) if Some(&other[..]) != error => steps.push((switches, other)),
                 Some(_) => {}
             }

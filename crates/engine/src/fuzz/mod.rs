@@ -7,6 +7,7 @@
 //!                                        └─ lanes ─▶ verdicts, blame, determinism ─▶ findings
 //! ```
 
+mod apart;
 mod builtin;
 mod called;
 mod crossing;

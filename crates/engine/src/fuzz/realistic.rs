@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::apart;
 use super::domain::{Domain, InputDomain, Law, number};
 use super::generate::{direction, rotation, within_laws};
 use super::presumed::is_share;
@@ -60,8 +61,8 @@ enum Draw {
     Screen { low: f64, high: f64 },
     /// Bits of any numbers that are packed, or of one real number.
     Bits { real: bool },
-    /// By a generator of suites.
-    By(&'static dyn Generator, Box<Group>),
+    /// By a generator of suites; with both ends of a list whose numbers differ.
+    By(&'static dyn Generator, Box<Group>, Option<[i64; 2]>),
 }
 
 /// The fourth component of a direction.
@@ -306,7 +307,7 @@ fn drawn(field: &Field, guess: &Guess, varying: bool) -> Draw {
             let options = Options { range: guess.range, ..Options::default() };
             let group = by_name(name).and_then(|g| Some((g, Group::new(g, &[shape], options).ok()?)));
             group.map_or(Draw::Interval { low, high, closed: false }, |(generator, group)| {
-                Draw::By(generator, Box::new(group))
+                Draw::By(generator, Box::new(group), apart::of(shape, guess.range))
             })
         }
     }
@@ -412,9 +413,10 @@ impl Draw {
                 let any = |stream: &mut Stream| if *real { between(stream, -2.0, 2.0) } else { stream.bits() as u32 };
                 out.iter_mut().for_each(|word| *word = any(stream));
             }
-            Self::By(generator, group) => {
+            Self::By(generator, group, list) => {
                 let place = Place { case_seed: stream.bits(), invocation: 0, exact: false };
                 generator.fill(group, place, stream, out);
+                list.iter().for_each(|ends| apart::set(*ends, out));
             }
         }
     }
@@ -471,15 +473,16 @@ impl Draw {
                 values.iter().enumerate().all(inside)
             }
             Self::Bits { real } => !real || words.iter().all(|&word| (-2.0..=2.0).contains(&f32::from_bits(word))),
-            Self::By(generator, group) => generator.admits(group, words),
+            Self::By(generator, group, list) => generator.admits(group, words) && (list.is_none() || apart::is(words)),
         }
     }
 
     /// Writes the plainest value that is admitted.
     fn plainest(&self, shape: Shape, out: &mut [u32]) {
         let one = 1.0_f32.to_bits();
-        if let Self::By(generator, group) = self {
-            return generator.simplest(group, out);
+        if let Self::By(generator, group, list) = self {
+            generator.simplest(group, out);
+            return list.iter().for_each(|ends| apart::set(*ends, out));
         }
         for element in out.chunks_mut(shape.element_words().max(1)) {
             match self {
