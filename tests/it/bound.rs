@@ -275,6 +275,11 @@ fn stages_of_ray_tracing_are_run_with_the_ray_as_input() {
          color = gl_WorldRayOriginEXT + gl_HitTEXT * gl_WorldRayDirectionEXT + vec3(FAULT); }}\n"
     );
     told(&both("surface.rchit", &hit, ""), NO_VALUE);
+    // A stage writes to a part of what the ray carries.
+    let part = "#version 460\n#extension GL_EXT_ray_tracing : require\nstruct Hit { vec3 color; float t; };\n\
+        layout(location = 0) rayPayloadInEXT Hit info;\n\
+        void main() { float x = gl_WorldRayDirectionEXT.y; info.color = vec3(FAULT); }\n";
+    told(&both("part.rmiss", part, ""), NO_VALUE);
 }
 
 #[test]

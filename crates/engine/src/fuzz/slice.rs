@@ -210,6 +210,13 @@ fn accesses(shader: &Shader, used: &BTreeSet<SymbolId>, symbol: SymbolId) -> (bo
     (all().any(|u| u.access.reads()), all().any(|u| u.access.writes()))
 }
 
+/// True for what a ray carries, by a qualifier of an extension: who traces it has written to it before.
+fn is_carried(shader: &Shader, variable: &Variable) -> bool {
+    let qualifiers = Span::new(variable.declaration_span.start, variable.type_span.start);
+    let words = shader.file().slice(qualifiers).split(|c: char| !c.is_ascii_alphanumeric());
+    words.into_iter().any(|word| word.ends_with("EXT") || word.ends_with("NV"))
+}
+
 /// Inputs, outputs and uniforms become plain variables. Samplers stay what they are.
 fn plain_variables(shader: &Shader, used: &BTreeSet<SymbolId>, kept: &dyn Fn(usize) -> bool, slice: &mut Slice) {
     for variable in shader.interface().variables().filter(|v| kept(v.item)) {
@@ -218,6 +225,7 @@ fn plain_variables(shader: &Shader, used: &BTreeSet<SymbolId>, kept: &dyn Fn(usi
             Storage::Const | Storage::Shared | Storage::Buffer => continue,
             // A variable that starts with a value of its own takes none.
             Storage::Global => {
+                reads |= writes && is_carried(shader, variable);
                 reads &= variable.initializer.is_none();
                 false
             }
