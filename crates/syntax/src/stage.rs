@@ -86,7 +86,7 @@ const ROWS: [Row; 6] = [
     },
 ];
 
-/// Endings of stages of ray tracing, of which each function is looked at: their `main` runs where a ray is traced alone.
+/// Endings of stages of ray tracing. They are read as libraries: each function is looked at by itself, `main` as well.
 const OF_RAYS: [&str; 6] = ["rgen", "rint", "rahit", "rchit", "rmiss", "rcall"];
 
 impl Stage {

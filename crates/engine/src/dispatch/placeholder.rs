@@ -6,8 +6,9 @@ use syntax::Shader;
 use syntax::interface::{StageLayout, Variable};
 use syntax::types::Type;
 
-/// The text with these constants of some types as uniforms, so that they get the numbers of a host and what follows from them is told as
-/// such; none where there is nothing to change. What the size of a workgroup or an array is made of stays as it is.
+/// The text with these constants, as far as they have one of some types, as uniforms: they get the numbers of a host, and what
+/// follows from them is told as such. None where there is nothing to change. What the size of a workgroup or an array is made
+/// of stays as it is.
 pub fn with_host_numbers(shader: &Shader, types: &[Type]) -> Option<SourceFile> {
     let file = shader.file();
     let is_one = |constant: &&Variable| types.contains(&constant.ty) && is_placeholder(shader, constant);

@@ -10,6 +10,6 @@ mod ranges;
 mod rearrange;
 mod refusals;
 mod support;
+mod wide;
 
 pub(in crate::interp) use support::{kernel, wgsl};
-mod wide;

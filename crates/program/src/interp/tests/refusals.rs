@@ -1,28 +1,11 @@
 //! What is not interpreted is refused by name and place.
 
-use super::super::{Executable, InterpError, Subject};
-use super::support::{compile, wgsl};
-use crate::Entry;
+use super::super::InterpError;
+use super::support::{compile, entry_point, wgsl};
 
 fn refused(text: &str) -> (String, String) {
     let (module, info) = wgsl(text);
-    let subject = Subject {
-        module: &module,
-        info: &info,
-        entry: Entry::Point(0),
-        inputs: &[],
-        uniforms: &[],
-        outputs: &[],
-        built_ins: &[],
-        textures: &[],
-        max_vertices: None,
-        shared: &[],
-        dispatch: None,
-        manners: None,
-        lowered: false,
-        covered: false,
-    };
-    match Executable::compile(&subject) {
+    match entry_point((&module, &info), &[], &[]) {
         Err(InterpError::Unsupported { what, span }) => {
             (what, span.to_range().map(|range| text[range].to_owned()).unwrap_or_default())
         }

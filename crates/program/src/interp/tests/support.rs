@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
-use naga::{AddressSpace, Module, TypeInner};
+use naga::{AddressSpace, BuiltIn, GlobalVariable, Handle, Module, TypeInner};
 
 use super::super::{Binary32, Binary64, Binding, Domain, Executable, FUEL, InterpError, Meaning, Subject};
 use crate::{Entry, PortAt};
@@ -17,7 +17,7 @@ pub(in crate::interp) fn wgsl(text: &str) -> (Module, ModuleInfo) {
 /// The only entry point of a text, and its workgroup size.
 pub(in crate::interp) fn kernel(text: &str) -> (Executable, [u32; 3]) {
     let (module, info) = wgsl(text);
-    let of_host = |v: &naga::GlobalVariable| !matches!(v.space, AddressSpace::Private | AddressSpace::Handle);
+    let of_host = |v: &GlobalVariable| !matches!(v.space, AddressSpace::Private | AddressSpace::Handle);
     let shared: Vec<_> = module.global_variables.iter().filter(|(_, v)| of_host(v)).map(|(handle, _)| handle).collect();
     let point = &module.entry_points[0];
     let built_in = |(k, argument): (u32, &naga::FunctionArgument)| match argument.binding {
@@ -25,23 +25,31 @@ pub(in crate::interp) fn kernel(text: &str) -> (Executable, [u32; 3]) {
         _ => panic!("{argument:?}"),
     };
     let built_ins: Vec<_> = (0..).zip(&point.function.arguments).map(built_in).collect();
-    let subject = Subject {
-        module: &module,
-        info: &info,
+    (entry_point((&module, &info), &shared, &built_ins).unwrap(), point.workgroup_size)
+}
+
+/// The first entry point of a module, with this memory and these built-in values of its arguments.
+pub(super) fn entry_point(
+    (module, info): (&Module, &ModuleInfo),
+    shared: &[Handle<GlobalVariable>],
+    built_ins: &[(u32, BuiltIn)],
+) -> Result<Executable, InterpError> {
+    Executable::compile(&Subject {
+        module,
+        info,
         entry: Entry::Point(0),
         inputs: &[],
         uniforms: &[],
         outputs: &[],
-        built_ins: &built_ins,
+        built_ins,
         textures: &[],
         max_vertices: None,
-        shared: &shared,
+        shared,
         dispatch: None,
         manners: None,
         lowered: false,
         covered: false,
-    };
-    (Executable::compile(&subject).unwrap(), point.workgroup_size)
+    })
 }
 
 pub(super) fn glsl(text: &str) -> (Module, ModuleInfo) {
