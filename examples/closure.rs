@@ -1,6 +1,6 @@
 //! A function of a library against a closure, with laws beside it. Run with `cargo run --example closure`.
 
-use shadercheck::{Domain, Law, Shader};
+use shadercheck_test::{Domain, Law, Shader};
 
 const LIBRARY: &str = "
 float luminance(vec3 color) { return dot(color, vec3(0.2126, 0.7152, 0.0722)); }

@@ -1,6 +1,6 @@
 //! A rewritten function against the one that it replaces. Run with `cargo run --example old_and_new`.
 
-use shadercheck::Shader;
+use shadercheck_test::Shader;
 
 const OLD: &str = "
 vec3 rotated(vec3 v, vec4 q) {

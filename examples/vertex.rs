@@ -1,6 +1,6 @@
 //! A vertex stage with a macro, its inputs guessed from their names. Run with `cargo run --example vertex`.
 
-use shadercheck::{Domain, Law, Shader};
+use shadercheck_test::{Domain, Law, Shader};
 
 const STAGE: &str = "#version 330 core
 layout(location = 0) in vec3 aPosition;

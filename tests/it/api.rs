@@ -4,7 +4,7 @@ use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use proptest::prelude::*;
-use shadercheck::{Domain, Law, Shader};
+use shadercheck_test::{Domain, Law, Shader};
 
 const TEXT: &str = "float area(float a, float b) { return a * b; }\n\
     vec3 moved(vec3 p, mat4 m) { return (m * vec4(p, 1.0)).xyz; }\n\
@@ -23,7 +23,7 @@ fn failure(shader: &Shader) -> String {
     panic.downcast_ref::<String>().cloned().expect("a message")
 }
 
-fn area(inputs: shadercheck::Inputs<'_>) -> Vec<f64> {
+fn area(inputs: shadercheck_test::Inputs<'_>) -> Vec<f64> {
     vec![inputs.number("a") * inputs.number("b")]
 }
 
@@ -88,7 +88,7 @@ fn a_strategy_is_a_domain_and_shrinks_as_it_does() {
     let x: f32 = line.rsplit(' ').next().unwrap().parse().unwrap();
     assert!((1.0..2.0).contains(&x), "{reported}");
     let even = (-50_i32..50).prop_map(|half| 2 * half);
-    let halved = |inputs: shadercheck::Inputs<'_>| vec![inputs.number("n") / 2.0];
+    let halved = |inputs: shadercheck_test::Inputs<'_>| vec![inputs.number("n") / 2.0];
     function("halved").input("n", Domain::strategy(even)).expect("return", halved).assert_agrees();
     let reported = failure(&function("halved").input("n", Domain::strategy(-50_i32..50)).expect("return", halved));
     assert!(reported.contains("int n = 1\n") || reported.contains("int n = -1\n"), "{reported}");
@@ -113,7 +113,7 @@ fn vertex_stages_run_too() {
     let path = folder.path().join("a.vert");
     fs::write(&path, text).unwrap();
     let shader = Shader::from_file(&path).unwrap().guess_inputs().lane("embedded").samples(256);
-    let position = |inputs: shadercheck::Inputs<'_>| {
+    let position = |inputs: shadercheck_test::Inputs<'_>| {
         let (p, s): ([f64; 3], f64) = (inputs.array("p"), inputs.number("s"));
         vec![s * p[0], s * p[1], s * p[2], 1.0]
     };

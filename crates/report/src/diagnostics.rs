@@ -4,6 +4,7 @@ use annotate_snippets::{AnnotationKind, Group, Level, Patch, Renderer, Snippet};
 
 use base::diagnostic::{Diagnostic, Fix, Label, Lang, Safety, Severity};
 use base::text::{SourceFile, Span};
+#[cfg(feature = "lint")]
 use lint::with_name;
 
 /// One diagnostic with an excerpt of the text, why it is wrong, and what to do. Ends with a line break.
@@ -104,6 +105,12 @@ fn floor(text: &str, offset: usize) -> usize {
         offset -= 1;
     }
     offset
+}
+
+/// The code of an error as it stands, where no catalogue of rules is at hand.
+#[cfg(not(feature = "lint"))]
+fn with_name(code: &str) -> String {
+    code.to_owned()
 }
 
 #[cfg(test)]

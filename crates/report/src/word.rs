@@ -14,6 +14,7 @@ pub(crate) fn word(bits: u32, scalar: Scalar) -> String {
 }
 
 /// An expression, without its middle where it has more characters than these.
+#[cfg(feature = "run")]
 pub(crate) fn shortened(text: &str, most: usize) -> String {
     let all: Vec<char> = text.chars().collect();
     if all.len() <= most {
@@ -25,6 +26,7 @@ pub(crate) fn shortened(text: &str, most: usize) -> String {
 }
 
 /// A number in four digits, without a power of ten where people write none: 36.84, 0.001961, 2.5e9.
+#[cfg(feature = "run")]
 pub(crate) fn readable(x: f64) -> String {
     let short = format!("{x:.3e}");
     let plain = x == 0.0 || (1e-4..1e7).contains(&x.abs());

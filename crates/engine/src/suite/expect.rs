@@ -122,7 +122,13 @@ pub fn combinations(defines: &[Define]) -> Vec<(Vec<String>, Defines)> {
         .collect()
 }
 
-/// A hint at the name that was meant.
+/// A hint at the name that was meant. Programs that link no catalogue know none.
 pub(super) fn hint<'n>(given: &str, all: impl Iterator<Item = &'n str>) -> String {
+    let mut all = all.peekable();
+    if all.peek().is_none() {
+        return "this program links no catalogue; that of the textbook chapter is the crate `shadercheck-chapter`, linked by \
+                `use chapter as _;`"
+            .to_owned();
+    }
     did_you_mean(given, all, "known:")
 }

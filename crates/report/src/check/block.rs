@@ -20,6 +20,7 @@ const WITH_BITS: usize = 3;
 const SHOWN: usize = 16;
 
 /// One finding with all that is known about it.
+#[cfg(feature = "run")]
 pub(super) fn block(on: &str, shader: &str, finding: &Finding) -> String {
     let mut text = String::new();
     one(&mut text, on, shader, finding, false, false);
@@ -96,7 +97,7 @@ fn case_text(text: &mut String, case: &Case, reported: bool) {
 /// Where a deviation shows first in the author's text, and a word for it: where it comes from, or else where the
 /// wrong output gets its value.
 fn at(diagnosis: &Diagnosis) -> Option<(&'static str, &Place)> {
-    let known = super::items::place(diagnosis).map(|place| ("at", place));
+    let known = place(diagnosis).map(|place| ("at", place));
     known.or_else(|| diagnosis.written.as_ref().map(|place| ("computed", place)))
 }
 
@@ -221,6 +222,14 @@ fn sides(text: &mut String, against: &str, deviation: &Deviation, value: &Value)
         };
         let _ = writeln!(text, "  off by     {off:.3e}: {times}{ulp} ULP");
     }
+}
+
+/// Where a deviation shows first in the author's text.
+pub(super) fn place(diagnosis: &Diagnosis) -> Option<&Place> {
+    let literal = diagnosis.literals.first().map(|literal| &literal.place);
+    let no_value = diagnosis.no_value.as_ref().and_then(|no_value| no_value.place.as_ref());
+    let divergence = diagnosis.divergence.as_ref().map(|divergence| &divergence.place);
+    literal.or(no_value).or(divergence)
 }
 
 #[cfg(test)]

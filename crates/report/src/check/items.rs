@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use super::block::place;
 use crate::ci::Item;
 use base::diagnostic::Severity;
 use engine::suite::run::{Entry, Finding, Outcome, RunError, Summary};
@@ -134,14 +135,6 @@ fn of_finding(seen: Seen, shader: &str, finding: &Finding) -> Told {
         identity: format!("{}: {}", seen.suite, seen.fault),
     };
     Told { item, seen: Some(seen) }
-}
-
-/// Where a deviation shows first in the author's text.
-pub(super) fn place(diagnosis: &Diagnosis) -> Option<&Place> {
-    let literal = diagnosis.literals.first().map(|literal| &literal.place);
-    let no_value = diagnosis.no_value.as_ref().and_then(|no_value| no_value.place.as_ref());
-    let divergence = diagnosis.divergence.as_ref().map(|divergence| &divergence.place);
-    literal.or(no_value).or(divergence)
 }
 
 /// What a deviation is shown at: where it shows first, or else where the wrong output is computed.

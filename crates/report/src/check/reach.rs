@@ -87,6 +87,7 @@ pub(super) fn notes(summary: &Summary) -> String {
 }
 
 /// The same for the page of a CI job.
+#[cfg(feature = "run")]
 pub(super) fn markdown(summary: &Summary) -> String {
     let reports = reached(summary);
     let Some(together) = together(&reports) else { return String::new() };
@@ -98,6 +99,7 @@ pub(super) fn markdown(summary: &Summary) -> String {
 }
 
 /// What was reached of one suite, as names and values; nothing where its shader asks nothing.
+#[cfg(feature = "run")]
 pub(crate) fn facts(reach: &Reach) -> Vec<(&'static str, String)> {
     let ((both, comparisons), (met, classes)) = (reach.comparisons(), reach.classes());
     let mut facts = Vec::new();

@@ -15,7 +15,7 @@ use property::generators::{self, Drawn, Generator, Options};
 /// what they make: the ends, zeros, powers of two and their neighbours.
 ///
 /// ```
-/// use shadercheck::{Domain, Shader};
+/// use shadercheck_test::{Domain, Shader};
 ///
 /// Shader::from_text("fade.glsl", "vec3 fade(vec3 n, float t, int k) { return n * t * float(k); }")
 ///     .function("fade")
@@ -28,10 +28,10 @@ use property::generators::{self, Drawn, Generator, Options};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Domain {
-    pub(super) generator: Own<dyn Generator>,
-    pub(super) options: Options,
+    pub(crate) generator: Own<dyn Generator>,
+    pub(crate) options: Options,
     /// What is wrong with it, to be told when it is used.
-    pub(super) problem: Option<String>,
+    pub(crate) problem: Option<String>,
 }
 
 impl Domain {
@@ -95,7 +95,7 @@ impl Domain {
     ///
     /// ```
     /// use proptest::prelude::*;
-    /// use shadercheck::{Domain, Shader};
+    /// use shadercheck_test::{Domain, Shader};
     ///
     /// let even = (-8_i32..8).prop_map(|half| 2 * half);
     /// Shader::from_text("half.glsl", "int halved(int n) { return n / 2; }")

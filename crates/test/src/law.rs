@@ -8,7 +8,7 @@ use property::law::{self, LawKind};
 /// of each lane.
 ///
 /// ```
-/// use shadercheck::{Law, Shader};
+/// use shadercheck_test::{Law, Shader};
 ///
 /// Shader::from_text("wave.glsl", "float wave(float x) { return sin(x); }")
 ///     .function("wave")
@@ -21,7 +21,7 @@ use property::law::{self, LawKind};
 ///     .assert_agrees();
 /// ```
 #[derive(Clone, Debug)]
-pub struct Law(pub(super) law::Law);
+pub struct Law(pub(crate) law::Law);
 
 fn list(names: impl IntoIterator<Item = impl Into<String>>) -> Vec<String> {
     names.into_iter().map(Into::into).collect()

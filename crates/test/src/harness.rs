@@ -12,7 +12,7 @@ use engine::suite::{self, Suite};
 use judge::profile::Promises;
 use property::Sample;
 
-use super::run;
+use crate::run;
 
 /// Runs every suite (`*.suite.toml`) of a folder as a test of its own, with the arguments that `cargo test`
 /// hands over: names that filter, `--list`, `--exact` and so on. It is the `main` of a test target without
@@ -27,7 +27,7 @@ use super::run;
 /// ```no_run
 /// // tests/shaders.rs
 /// fn main() -> std::process::ExitCode {
-///     shadercheck::test_main("shaders")
+///     shadercheck_test::test_main("shaders")
 /// }
 /// ```
 ///
@@ -168,6 +168,18 @@ mod tests {
         let saved = fs::read_to_string(folder.path().join("inner/cube.regressions")).unwrap();
         assert!(saved.contains("cube[ADD=0.5] x="), "{saved}");
         assert_eq!(run(folder.path(), Some("ADD=0.0")), (1, 0));
+    }
+
+    #[test]
+    fn a_formula_of_a_catalogue_that_is_not_linked_says_what_links_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("cube.suite.toml");
+        fs::write(&path, SUITE.replace("samples", "formula = \"sphere\"\nsamples")).unwrap();
+        fs::write(folder.path().join("cube.glsl"), "float cube(float x) { return x; }").unwrap();
+        let Err(error) = suite::load_all(&path) else { panic!("`sphere` is known without its catalogue") };
+        let wanted =
+            "unknown formula `sphere`; this program links no catalogue; that of the textbook chapter is the crate";
+        assert!(error.to_string().contains(wanted), "{error}");
     }
 
     #[test]

@@ -5,7 +5,7 @@ use property::Sample;
 /// The inputs of one run of a shader, as numbers: exactly what the shader got.
 #[derive(Clone, Copy, Debug)]
 pub struct Inputs<'a> {
-    pub(super) sample: &'a Sample,
+    pub(crate) sample: &'a Sample,
 }
 
 impl Inputs<'_> {

@@ -9,7 +9,7 @@ use judge::verdict::Given;
 use program::Written;
 use property::Sample;
 
-use super::{Domain, Error, Inputs, Law, Outcome, run};
+use crate::{Domain, Error, Inputs, Law, Outcome, run};
 
 /// A shader under test: what is run of it, on which inputs, and what is expected.
 ///
@@ -18,7 +18,7 @@ use super::{Domain, Error, Inputs, Law, Outcome, run};
 /// are those of attributes, uniforms and parameters; the name of a function's value is `return`.
 ///
 /// ```
-/// use shadercheck::Shader;
+/// use shadercheck_test::Shader;
 ///
 /// Shader::from_text("smooth.glsl", "float smooth3(float t) { return t * t * (3.0 - 2.0 * t); }")
 ///     .function("smooth3")
@@ -35,7 +35,7 @@ use super::{Domain, Error, Inputs, Law, Outcome, run};
 /// A test fails like any other, with the smallest inputs that show the fault:
 ///
 /// ```should_panic
-/// use shadercheck::Shader;
+/// use shadercheck_test::Shader;
 ///
 /// Shader::from_text("smooth.glsl", "float smooth3(float t) { return t * t * (3.0 - 2.1 * t); }")
 ///     .function("smooth3")
@@ -50,26 +50,26 @@ use super::{Domain, Error, Inputs, Law, Outcome, run};
 #[derive(Clone, Debug)]
 #[must_use = "nothing is run before `check` or `assert_agrees`"]
 pub struct Shader {
-    pub(super) file: SourceFile,
-    pub(super) includes: Includes,
-    pub(super) stage: Stage,
-    pub(super) entry: Option<String>,
-    pub(super) defines: Vec<(String, String)>,
-    pub(super) inputs: Vec<(String, Domain)>,
-    pub(super) guess: bool,
-    pub(super) given: Vec<Given>,
-    pub(super) reference: Option<Other>,
-    pub(super) laws: Vec<Law>,
-    pub(super) samples: u64,
-    pub(super) seed: u64,
-    pub(super) lanes: Vec<String>,
-    pub(super) case: Option<String>,
-    pub(super) undetermined: f64,
+    pub(crate) file: SourceFile,
+    pub(crate) includes: Includes,
+    pub(crate) stage: Stage,
+    pub(crate) entry: Option<String>,
+    pub(crate) defines: Vec<(String, String)>,
+    pub(crate) inputs: Vec<(String, Domain)>,
+    pub(crate) guess: bool,
+    pub(crate) given: Vec<Given>,
+    pub(crate) reference: Option<Other>,
+    pub(crate) laws: Vec<Law>,
+    pub(crate) samples: u64,
+    pub(crate) seed: u64,
+    pub(crate) lanes: Vec<String>,
+    pub(crate) case: Option<String>,
+    pub(crate) undetermined: f64,
 }
 
 /// Another shader that says what is right.
 #[derive(Clone, Debug)]
-pub(super) struct Other {
+pub(crate) struct Other {
     pub file: SourceFile,
     pub function: Option<String>,
     pub output: Option<String>,

@@ -19,9 +19,9 @@ use program::{Program, Written};
 use property::regressions;
 use property::{InputGroup, Own, Sample, generators};
 
-use super::{Error, Outcome, Shader};
+use crate::{Error, Outcome, Shader};
 
-pub(super) fn check(shader: &Shader) -> Result<Outcome, Error> {
+pub(crate) fn check(shader: &Shader) -> Result<Outcome, Error> {
     let suite = suite(shader)?;
     let prepared = if shader.given.is_empty() {
         prepare(&suite, &shader.file)
@@ -64,7 +64,7 @@ fn unfit(suite: &Suite, source: judge::verdict::ReferenceError) -> RunError {
 }
 
 /// An error with its diagnostics.
-pub(super) fn error_of(error: &RunError) -> Error {
+pub(crate) fn error_of(error: &RunError) -> Error {
     match error {
         RunError::Shader { diagnostics, .. } => {
             let all: Vec<String> = diagnostics.iter().map(|d| report::diagnostics::text(d, Lang::En, false)).collect();
@@ -83,7 +83,7 @@ fn replay(prepared: &Prepared, text: &str) -> Result<Vec<Sample>, Error> {
 }
 
 /// The lanes that are named; without names every device, and the stand-in where there is none.
-pub(super) fn lanes(names: &[String]) -> Result<Vec<Box<dyn Lane>>, Error> {
+pub(crate) fn lanes(names: &[String]) -> Result<Vec<Box<dyn Lane>>, Error> {
     let opened = Wanted::named(names).open().map_err(|unknown| Error::new(unknown.to_string()))?;
     if let (Some((name, missing)), false) = (opened.missing.first(), names.is_empty()) {
         return Err(Error::new(format!("the lane `{name}` is not available: {missing}")));
@@ -92,7 +92,7 @@ pub(super) fn lanes(names: &[String]) -> Result<Vec<Box<dyn Lane>>, Error> {
 }
 
 /// Runs a suite on every stage of every lane.
-pub(super) fn on_lanes(
+pub(crate) fn on_lanes(
     prepared: Prepared,
     lanes: &[Box<dyn Lane>],
     request: impl Fn(&Prepared, &dyn Lane) -> Request,
@@ -130,7 +130,7 @@ fn again(command: &str) -> Option<String> {
 }
 
 /// Counts and the report.
-pub(super) fn outcome(entries: Vec<Entry>) -> Outcome {
+pub(crate) fn outcome(entries: Vec<Entry>) -> Outcome {
     let summary = Summary { entries, ..Summary::default() };
     let (totals, passed) = (summary.totals(), summary.status() == Status::Pass);
     let lines = summary.entries.iter().map(|entry| report::check::line(entry, false));

@@ -8,7 +8,7 @@ use thiserror::Error;
 #[derive(Clone, Error)]
 #[error("{message}")]
 pub struct Error {
-    pub(super) message: String,
+    pub(crate) message: String,
 }
 
 /// The message itself: `unwrap` in a test prints it with its lines, as `?` does.
@@ -19,7 +19,7 @@ impl fmt::Debug for Error {
 }
 
 impl Error {
-    pub(super) fn new(message: impl Into<String>) -> Self {
+    pub(crate) fn new(message: impl Into<String>) -> Self {
         Self { message: message.into() }
     }
 }
@@ -27,10 +27,10 @@ impl Error {
 /// What came of a check, on all lanes together.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    pub(super) judged: u64,
-    pub(super) undetermined: u64,
-    pub(super) passed: bool,
-    pub(super) report: String,
+    pub(crate) judged: u64,
+    pub(crate) undetermined: u64,
+    pub(crate) passed: bool,
+    pub(crate) report: String,
 }
 
 impl Outcome {
