@@ -171,18 +171,6 @@ mod tests {
     }
 
     #[test]
-    fn a_formula_of_a_catalogue_that_is_not_linked_says_what_links_it() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("cube.suite.toml");
-        fs::write(&path, SUITE.replace("samples", "formula = \"sphere\"\nsamples")).unwrap();
-        fs::write(folder.path().join("cube.glsl"), "float cube(float x) { return x; }").unwrap();
-        let Err(error) = suite::load_all(&path) else { panic!("`sphere` is known without its catalogue") };
-        let wanted =
-            "unknown formula `sphere`; this program links no catalogue; that of the textbook chapter is the crate";
-        assert!(error.to_string().contains(wanted), "{error}");
-    }
-
-    #[test]
     fn a_folder_without_suites_and_a_suite_that_is_wrong_fail() {
         let folder = tempfile::tempdir().unwrap();
         assert_eq!(run(folder.path(), None), (0, 1));

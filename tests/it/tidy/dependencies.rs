@@ -30,8 +30,13 @@ const OUTSIDE: [&str; 12] = [
 ];
 
 /// Crates of the workspace that may depend on the chapter: reference data are made of its formulas and reported, and the
-/// program ships its suites.
-const WITH_CHAPTER: [&str; 3] = ["refdata", "report", "shadercheck"];
+/// program ships its suites. Of the report, `test` takes a feature that leaves it out, see [`LARGE`].
+const WITH_CHAPTER: [&str; 4] = ["refdata", "report", "shadercheck", "test"];
+
+/// What a project that tests its shaders under cargo must not have to build: drivers, files of reference data, rewrites
+/// and the linter with its readers of host code.
+const LARGE: [&str; 8] =
+    ["wgpu", "ash", "parquet", "egg", "maud", "tree-sitter-cpp", "shadercheck-lint", "shadercheck-chapter"];
 
 /// Libraries, and parts of the standard library, with the places that may name them. A part of the standard library may
 /// be named in test code anywhere.
@@ -170,6 +175,24 @@ fn nobody_needs_what_it_must_do_without() {
     let graph = graph(&files);
     assert!(INSIDE.iter().chain(&["lanes", "engine", "chapter"]).all(|name| graph.contains_key(*name)), "{graph:?}");
     assert_eq!(wrong_dependencies(&graph), Vec::<String>::new());
+}
+
+/// Those of [`LARGE`] that are built for a crate with these features, as `cargo tree` says.
+fn large(of: &str, features: &[&str]) -> Vec<&'static str> {
+    let mut cargo = std::process::Command::new(env!("CARGO"));
+    cargo.args(["tree", "--locked", "--offline", "--edges", "normal,build", "--prefix", "none", "--package", of]);
+    let output = cargo.args(features).current_dir(env!("CARGO_MANIFEST_DIR")).output().expect("cargo runs");
+    let tree = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && tree.starts_with(of), "{}", String::from_utf8_lossy(&output.stderr));
+    let built: BTreeSet<&str> = tree.lines().filter_map(|line| line.split(' ').next()).collect();
+    LARGE.into_iter().filter(|library| built.contains(library)).collect()
+}
+
+#[test]
+fn tests_under_cargo_build_suites_alone() {
+    assert_eq!(large("shadercheck-test", &[]), Vec::<&str>::new());
+    assert_eq!(large("shadercheck-test", &["--features", "drivers"]), ["wgpu", "ash"]);
+    assert_eq!(large("shadercheck", &[]), LARGE, "the program has all of them");
 }
 
 #[test]

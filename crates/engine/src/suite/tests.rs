@@ -76,6 +76,12 @@ fn geometry_and_function_suites_are_read() {
 }
 
 #[test]
+fn a_name_of_a_catalogue_that_is_not_linked_says_what_links_it() {
+    assert!(super::expect::hint("sphere", [].into_iter()).contains("`use chapter as _;`"));
+    assert_eq!(super::expect::hint("spere", ["sphere"].into_iter()), "did you mean `sphere`?");
+}
+
+#[test]
 fn unknown_words_are_named_with_their_place_and_a_suggestion() {
     for (from, to, message) in [
         ("[floors]", "[floor]", "s.suite.toml:19:2: unknown key `floor`; did you mean `floors`?"),
