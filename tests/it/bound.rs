@@ -302,3 +302,21 @@ fn a_list_of_vertices_names_each_of_them_once() {
     let [_, right] = both("face.rchit", &same, "");
     assert!(right.code == 1 && right.out.contains("of a zero vector"), "{right:?}");
 }
+
+#[test]
+fn an_index_in_front_of_an_array_is_outside_of_any_length() {
+    let text = "#version 450\nlayout(local_size_x = 64) in;\n\
+        layout(std430, binding = 0) buffer A { float a[]; };\nlayout(std430, binding = 1) buffer B { float b[]; };\n\
+        uniform int n;\nuniform int pad;\nvoid main() {\n  int i = int(gl_GlobalInvocationID.x);\n  if (i >= n) return;\n  \
+        b[i] = a[(i - 1) % n] + a[(i + 1) % n];\n}\n";
+    let ran = both("a.comp", text, "");
+    for ran in &ran {
+        let told = "warning: main: invocation 0 reads `A` at index";
+        assert!(ran.out.contains(told) && ran.out.contains("in front of its first element"), "{}{}", ran.out, ran.err);
+    }
+    for right in [text.replace("(i - 1) % n", "(i - 1 + n) % n"), text.replace("(i - 1) % n", "(i - pad) % n")] {
+        for ran in both("a.comp", &right, "") {
+            assert!(ran.out.contains("0 findings, 0 warnings"), "{}{}", ran.out, ran.err);
+        }
+    }
+}

@@ -327,7 +327,7 @@ fn what_is_not_judged_is_told() {
             64,
             "if (id.x < arrayLength(&b)) { a[b[id.x] * b[id.x]] = 1u; }",
             "--notes",
-            "no index into `a` is judged: no rule was found for its length",
+            "no index into `a` is called too large: no rule was found for its length",
         ),
         (
             4096,

@@ -9,7 +9,7 @@ use program::interp::group::{Incident, Sources, Space, Wrong};
 
 use super::Dispatched;
 use super::host::Length;
-use super::run::{Met, SPREAD, is_spread};
+use super::run::{Met, SPREAD, VARIANTS, is_spread};
 use base::value::Scalar;
 
 /// Elements along an axis, in the order in which axes get them: multiples of what kernels take for tiles, and different.
@@ -24,10 +24,25 @@ impl Dispatched {
         if !storage || !matches!(incident.what, Wrong::Race | Wrong::Outside) {
             return false;
         }
+        let sources = self.depends.of(incident.who.site);
+        if matches!(met.length, Some(Length::Unknown(_)))
+            && incident.what == Wrong::Outside
+            && self.is_by_settings(sources)
+        {
+            return !self.is_met_with_all_numbers(incident, lengths);
+        }
         if met.degenerate && self.is_by_settings(self.depends.of(incident.who.site)) {
             return true;
         }
         self.is_by_packed_numbers(incident) || (incident.what == Wrong::Race && !self.is_with_whole_tiles(met, lengths))
+    }
+
+    /// True where it takes place whatever numbers a host is given.
+    fn is_met_with_all_numbers(&self, incident: &Incident, lengths: &[Length]) -> bool {
+        let items = self.sizes().pop().unwrap_or(self.size);
+        let mut outcomes =
+            (0..VARIANTS).chain(SPREAD).map(|variant| self.play(&self.scenario(items, Some(lengths), variant), 0));
+        outcomes.all(|outcome| outcome.incidents.iter().any(|other| other.is_same(incident) && other.is_in_front()))
     }
 
     /// True where numbers in uniforms have a say.

@@ -10,7 +10,7 @@ use judge::verdict::diagnosis::Place;
 use lanes::interrupt;
 
 /// Contents of buffers that are tried for each size.
-const VARIANTS: u64 = 2;
+pub(super) const VARIANTS: u64 = 2;
 
 /// The choices of a host that puts one number everywhere.
 pub(super) const EQUAL: u64 = 2;
@@ -263,8 +263,8 @@ pub(super) fn note(
 ) {
     let open = |k: u32| subject.executable.memories().get(k as usize).is_some_and(|shape| shape.is_open());
     let unknown = |k: u32| open(k) && matches!(lengths.get(k as usize), Some(Length::Unknown(_)));
-    // Of an array whose length nobody knows, no index is outside.
-    if incident.what == Wrong::Outside && incident.memory.is_some_and(unknown) {
+    // Of an array whose length nobody knows, an index is outside in front of it alone.
+    if incident.what == Wrong::Outside && incident.memory.is_some_and(unknown) && !incident.is_in_front() {
         return;
     }
     if incident.what == Wrong::LostUpdate && !subject.loses_updates(&incident) {

@@ -74,7 +74,8 @@ impl Dispatched {
         let memories = self.executable.memories().iter().zip(lengths);
         let unknown = memories.filter(|(shape, length)| shape.is_open() && matches!(length, Length::Unknown(_)));
         let names: Vec<String> = unknown.map(|(shape, _)| format!("`{}`", shape.name)).collect();
-        let message = format!("no index into {} is judged: no rule was found for its length", names.join(", "));
+        let message =
+            format!("no index into {} is called too large: no rule was found for its length", names.join(", "));
         let kind = FuzzFindingKind::Index;
         (!names.is_empty()).then(|| self.finding(kind, Severity::Note, message, None, (0, scenario), command))
     }
@@ -197,7 +198,12 @@ impl Dispatched {
                         "{who} {does} `{name}` at coordinate {index}, outside of its {len} texels along this axis{guard}"
                     );
                 }
-                format!("{who} {does} `{name}` at index {index}, outside of its {len} elements")
+                match met.length {
+                    Some(Length::Unknown(_)) => {
+                        format!("{who} {does} `{name}` at index {index}, in front of its first element")
+                    }
+                    _ => format!("{who} {does} `{name}` at index {index}, outside of its {len} elements"),
+                }
             }
             (Wrong::Race, Some(other)) => {
                 let ordered = if other.group == incident.who.group {

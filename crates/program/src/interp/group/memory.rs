@@ -100,6 +100,11 @@ impl Incident {
             && (self.who.site, self.who.access) == (other.who.site, other.who.access)
             && theirs(self) == theirs(other)
     }
+
+    /// True for an index that is negative as a signed number: it is outside of an array of any length.
+    pub fn is_in_front(&self) -> bool {
+        self.index.is_some_and(|(index, _)| index.cast_signed() < 0)
+    }
 }
 
 /// How many barriers an invocation is behind.
