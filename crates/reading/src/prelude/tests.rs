@@ -29,6 +29,8 @@ fn a_text_is_recognised_by_what_it_uses_and_does_not_declare() {
     assert_eq!(fits("void mainImage( out vec4 c, in vec2 p ) { c = vec4(iTime); }"), Some("shadertoy"));
     assert_eq!(fits("void mainImage(out vec4 c, in vec2 p) {}\nvoid main() { mainImage(c, p); }"), None);
     assert_eq!(fits("void main() { gl_Position = projectionMatrix * vec4(position, 1.0); }"), Some("three"));
+    assert_eq!(fits("void main() { pc_fragColor = vec4(1.0); }"), Some("three"));
+    assert_eq!(fits("out vec4 pc_fragColor;\nvoid main() { pc_fragColor = vec4(1.0); }"), None);
     assert_eq!(fits("uniform mat4 a, projectionMatrix;\nvoid main() { gl_Position = projectionMatrix * p; }"), None);
     assert_eq!(fits("vec4 effect(vec4 c, Image i, vec2 t, vec2 s) { return Texel(i, t); }"), Some("love"));
     assert_eq!(fits("#version 120\nvarying highp vec4 c;"), Some("qt"));

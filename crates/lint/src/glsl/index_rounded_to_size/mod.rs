@@ -12,6 +12,7 @@ use syntax::types::ScalarType;
 
 use super::walk::{declarators, expressions};
 use analysis::forms::{Forms, builtin};
+use analysis::numeric::constant;
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -63,7 +64,17 @@ fn rounded(shader: &Shader, forms: &Forms<'_>, id: ExprId) -> Option<ExprId> {
     let (_, args) = builtin(shader, id, &["round", "roundEven", "ceil"])?;
     let product = *args.first()?;
     let (above, below) = forms.factors(forms.value(product));
-    (above.len() > 1 && below.is_empty() && above.iter().any(|f| is_count(shader, forms, *f))).then_some(product)
+    // With constants alone, it is a size as well: a share of the elements.
+    let is_position = || above.iter().any(|&f| !is_count(shader, forms, f) && !is_number(shader, f));
+    (below.is_empty() && above.iter().any(|&f| is_count(shader, forms, f)) && is_position()).then_some(product)
+}
+
+/// A constant number, or a vector of them.
+fn is_number(shader: &Shader, id: ExprId) -> bool {
+    match &shader.expr(id).kind {
+        ExprKind::Call { callee: Callee::Type(_), args } => args.iter().all(|&arg| is_number(shader, arg)),
+        _ => constant(shader, id).is_some(),
+    }
 }
 
 /// Variables that something limits: operands of comparisons and of `min` and `clamp`.
@@ -163,5 +174,7 @@ mod tests {
         assert_eq!(found("var i = u32(round(x * f32(size.x))); i = min(i, size.x - 1u);"), 0);
         assert_eq!(found("let i = u32(round(x * f32(size.x))) % size.x;"), 0);
         assert_eq!(found("let i = u32(round(x * 4.0));"), 0);
+        assert_eq!(found("let tile = vec2u(round(vec2(0.25, 0.3333) * vec2f(size)));"), 0);
+        assert_eq!(found("let i = vec2u(round(vec2(x, 0.3333) * vec2f(size)));"), 1);
     }
 }

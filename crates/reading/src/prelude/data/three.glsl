@@ -1,5 +1,5 @@
 //! title: three.js: ShaderMaterial, which declares matrices and attributes
-//! uses: projectionMatrix modelViewMatrix modelMatrix viewMatrix normalMatrix cameraPosition isOrthographic
+//! uses: projectionMatrix modelViewMatrix modelMatrix viewMatrix normalMatrix cameraPosition isOrthographic pc_fragColor
 //! without: #include
 //! host: ShaderMaterial
 //! sets: toneMappingExposure logDepthBufFC receiveShadow bindMatrix bindMatrixInverse boneTexture morphTargetBaseInfluence morphTargetInfluences
@@ -26,3 +26,9 @@ attribute vec2 uv2;
 attribute vec2 uv3;
 attribute vec4 skinIndex;
 attribute vec4 skinWeight;
+--- fragment
+#if __VERSION__ >= 130
+out highp vec4 pc_fragColor;
+#else
+#define pc_fragColor gl_FragColor
+#endif
