@@ -43,6 +43,14 @@ pub fn shaders(path: &Path) -> anyhow::Result<Option<Vec<Printed>>> {
     Ok(Some(vec![there]))
 }
 
+/// True for a file of statements, which its host puts into a function.
+///
+/// # Errors
+/// When the file cannot be read.
+pub fn is_of_statements(path: &Path) -> anyhow::Result<bool> {
+    Ok(shaders(path)?.is_some_and(|all| matches!(&all[..], [only] if only.part)))
+}
+
 /// The shaders of a text, with what host code fills in. Files that it imports are looked for beside it.
 pub fn runnable(file: &SourceFile, path: &Path) -> Vec<Printed> {
     let mut budget = Budget::default();

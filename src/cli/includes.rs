@@ -82,7 +82,7 @@ pub fn read(path: &Path, given: &Given<'_>) -> anyhow::Result<IncludedText> {
 /// As [`read_all`], and when there are several.
 pub fn read_one(path: &Path, given: &Given<'_>) -> anyhow::Result<IncludedText> {
     let is_host = matches!(hosts::language_of(&path.to_string_lossy()), Some(Language::Host | Language::Script));
-    if given.stage.is_some() || (path.is_file() && !is_host) {
+    if given.stage.is_some() || (path.is_file() && !is_host && !super::document::is_of_statements(path)?) {
         return read(path, given);
     }
     let mut all = texts(path, given, None, super::document::whole)?;

@@ -6,6 +6,7 @@ mod api;
 mod baseline;
 mod binary;
 mod blame;
+mod bodies;
 mod bound;
 mod built_ins;
 mod cache;

@@ -3,6 +3,7 @@
 //!
 //! C and C++ are read by their syntax tree ([`cpp`]), other languages by their tokens ([`script`]).
 
+mod body;
 pub mod cpp;
 pub mod defined;
 pub mod depth;
@@ -20,6 +21,7 @@ pub mod spelling;
 pub mod suggest;
 pub mod wrapper;
 
+pub use body::Body;
 pub use cpp::{Embedded, HostPrograms, Lookup, LookupKind, Missing, ProgramSource, ShaderRef};
 pub use file::{Found, HostFile, HostTree, comments, concerns_shaders};
 pub use language::{HOST_EXTENSIONS, Language, SHADER_EXTENSIONS, language_of, language_of_file, stage_of};

@@ -311,7 +311,12 @@ impl<'p> Search<'p> {
                 let written = is_written(shader, name);
                 // Outputs are colours and positions.
                 shapes.sort_by_key(|shape| written && shape.ty != "vec4");
-                let storages: &[&str] = if written { &["out", ""] } else { &["uniform"] };
+                // What a piece writes is what other texts hand on; a stage gives what it writes.
+                let storages: &[&str] = match (written, shader.function("main")) {
+                    (true, None) => &["", "out"],
+                    (true, Some(_)) => &["out", ""],
+                    (false, _) => &["uniform"],
+                };
                 let with =
                     |storage: &'static str| shapes.iter().map(move |shape| Form::Variable(storage, shape.clone()));
                 let mut forms: Vec<Form> = storages.iter().copied().flat_map(with).collect();

@@ -11,7 +11,7 @@ pub struct Known {
     /// The type, as GLSL writes it, without array dimensions.
     ty: &'static str,
     /// Number of elements, for an array.
-    array: Option<u32>,
+    pub array: Option<u32>,
     /// True for what the stage gives.
     pub output: bool,
 }
@@ -78,6 +78,9 @@ const ALL: &[Known] = &[
     output("gl_FrontColor", "vec4"),
     output("gl_BackColor", "vec4"),
     output("gl_FogFragCoord", "float"),
+    // What a control stage gives is what an evaluation stage reads.
+    Known { name: "gl_TessLevelOuter", ty: "float", array: Some(4), output: true },
+    Known { name: "gl_TessLevelInner", ty: "float", array: Some(2), output: true },
     // What a vertex stage gives is what a fragment stage reads.
     Known { name: "gl_TexCoord", ty: "vec4", array: Some(8), output: true },
 ];

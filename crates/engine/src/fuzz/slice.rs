@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use super::builtin;
 use base::text::{Edit, Span};
-use syntax::ast::{ExprId, Item, ItemKind, TypeKind};
+use syntax::ast::{ExprId, ExprKind, Item, ItemKind, StmtKind, TypeKind};
 use syntax::interface::{Storage, Variable};
 use syntax::symbols::{CallTarget, FunctionId, SymbolId, SymbolKind};
 use syntax::types::Type;
@@ -105,9 +105,10 @@ pub fn slice(shader: &Shader, root: FunctionId) -> Slice {
         }
     }
     let kept = |item: usize| !dropped[item];
-    plain_variables(shader, &used, &kept, &mut slice);
+    let found = Found { shader, root, functions: &functions };
+    plain_variables(&found, &used, &kept, &mut slice);
     plain_blocks(shader, &used, &kept, &mut slice);
-    built_ins(shader, &used, &functions, &mut slice);
+    built_ins(&found, &used, &mut slice);
     late_values(shader, &kept, &mut slice);
     slice.edits.sort_by_key(|e| (e.span.start, e.span.end));
     slice
@@ -217,15 +218,51 @@ fn is_carried(shader: &Shader, variable: &Variable) -> bool {
     words.into_iter().any(|word| word.ends_with("EXT") || word.ends_with("NV"))
 }
 
+/// What a function finds in variables that it writes.
+struct Found<'s> {
+    shader: &'s Shader,
+    root: FunctionId,
+    functions: &'s [FunctionId],
+}
+
+impl Found<'_> {
+    /// True for a variable that is written in part, or on some ways alone, or after it is read: who calls the function wrote
+    /// to it before. Nobody calls `main`.
+    fn holds(&self, symbol: SymbolId) -> bool {
+        let Self { shader, root, functions } = *self;
+        if shader.function_info(root).name.name == "main" {
+            return false;
+        }
+        match self.written(root, symbol) {
+            Some(end) => shader
+                .uses_of(symbol)
+                .any(|one| one.function == Some(root) && one.access.reads() && one.span.start < end),
+            None => functions.iter().all(|&own| self.written(own, symbol).is_none()),
+        }
+    }
+
+    /// Where the first statement of a function ends, none inside of another, that gives the variable a value as a whole.
+    fn written(&self, function: FunctionId, symbol: SymbolId) -> Option<usize> {
+        let shader = self.shader;
+        let syntax = shader.function_syntax(shader.function_info(function))?;
+        syntax.body.as_ref()?.statements.iter().find_map(|stmt| {
+            let StmtKind::Expr(id) = stmt.kind else { return None };
+            let ExprKind::Assign { op: None, target, .. } = shader.expr(id).kind else { return None };
+            (shader.symbol_of(target) == Some(symbol)).then_some(stmt.span.end)
+        })
+    }
+}
+
 /// Inputs, outputs and uniforms become plain variables. Samplers stay what they are.
-fn plain_variables(shader: &Shader, used: &BTreeSet<SymbolId>, kept: &dyn Fn(usize) -> bool, slice: &mut Slice) {
+fn plain_variables(found: &Found<'_>, used: &BTreeSet<SymbolId>, kept: &dyn Fn(usize) -> bool, slice: &mut Slice) {
+    let shader = found.shader;
     for variable in shader.interface().variables().filter(|v| kept(v.item)) {
         let (mut reads, mut writes) = accesses(shader, used, variable.symbol);
         let fed = match variable.storage {
             Storage::Const | Storage::Shared | Storage::Buffer => continue,
             // A variable that starts with a value of its own takes none.
             Storage::Global => {
-                reads |= writes && is_carried(shader, variable);
+                reads |= writes && (is_carried(shader, variable) || found.holds(variable.symbol));
                 reads &= variable.initializer.is_none();
                 false
             }
@@ -236,7 +273,7 @@ fn plain_variables(shader: &Shader, used: &BTreeSet<SymbolId>, kept: &dyn Fn(usi
             // A `varying` of a text without a stage, which it only reads, comes from the stage before.
             Storage::Out if shader.stage() == Stage::Library && !writes => true,
             Storage::Out => {
-                reads = false;
+                reads = writes && found.holds(variable.symbol);
                 true
             }
         };
@@ -309,7 +346,8 @@ fn renamed(shader: &Shader, from: &str, to: &str, slice: &mut Slice) {
 }
 
 /// Variables of the stage that the language knows become plain ones under other names.
-fn built_ins(shader: &Shader, used: &BTreeSet<SymbolId>, functions: &[FunctionId], slice: &mut Slice) {
+fn built_ins(found: &Found<'_>, used: &BTreeSet<SymbolId>, slice: &mut Slice) {
+    let Found { shader, functions, .. } = *found;
     for (id, symbol) in shader.symbols().filter(|(_, s)| s.kind == SymbolKind::Builtin) {
         // A constant of the text.
         if let Some([x, y, z]) =
@@ -326,7 +364,8 @@ fn built_ins(shader: &Shader, used: &BTreeSet<SymbolId>, functions: &[FunctionId
         slice.head.push_str(&builtin::declaration(known, &name));
         renamed(shader, &symbol.name, &name, slice);
         let ty = builtin::type_of(known);
-        let reads = reads && !(writes && known.output);
+        // Of an array of the language, a stage may leave elements alone.
+        let reads = if writes && known.output { found.holds(id) || known.array.is_some() } else { reads };
         slice.globals.push(Global { name, shown: symbol.name.clone(), ty, reads, writes });
     }
 }

@@ -8,9 +8,8 @@ use syntax::Stage;
 use super::creation::{self, Source};
 use super::stringized;
 use super::tree::{ancestors, arguments, bare, descendants, span, wrapped, write};
-use crate::HostFile;
-use crate::Literal;
 use crate::marks;
+use crate::{Body, HostFile, Literal, body};
 
 /// A shader in literals of a host file.
 #[derive(Clone, Debug)]
@@ -92,6 +91,21 @@ pub fn pieces(host: &HostFile) -> Vec<Embedded> {
     named(host, &|text| text.contains('{'), |candidate| is_piece(candidate).then_some(Whole::No))
 }
 
+/// Statements in literals of a file whose function its host writes, each with what it is kept in.
+pub fn bodies(host: &HostFile) -> Vec<(Option<String>, Body)> {
+    let wanted = |text: &str| text.contains(';') && ["vec", "mat", "gl_", "."].iter().any(|word| text.contains(word));
+    let own = candidates(host, &wanted).into_iter().filter(|c| !has_placeholder(&c.literal.text));
+    let mut found: Vec<(Option<String>, Body)> = own
+        .filter_map(|Candidate { literal, variable, .. }| {
+            let called = variable.map(|(name, _)| name);
+            let body = Body::of(&literal, called.as_deref().unwrap_or(""))?;
+            Some((called, body))
+        })
+        .collect();
+    found.sort_by_key(|(_, body)| body.literal.place());
+    found
+}
+
 /// What a literal is as it stands.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Whole {
@@ -103,8 +117,8 @@ enum Whole {
     No,
 }
 
-/// Literals that `wanted` may want and `read` knows.
-fn named(host: &HostFile, wanted: &dyn Fn(&str) -> bool, read: impl Fn(&Candidate) -> Option<Whole>) -> Vec<Embedded> {
+/// Literals that `wanted` may want.
+fn candidates(host: &HostFile, wanted: &dyn Fn(&str) -> bool) -> Vec<Candidate> {
     let Some(root) = host.root() else { return Vec::new() };
     let mut candidates = stringized::find(host, root);
     let nodes: Vec<Node<'_>> = descendants(root).filter(|n| is_string(*n)).collect();
@@ -115,8 +129,14 @@ fn named(host: &HostFile, wanted: &dyn Fn(&str) -> bool, read: impl Fn(&Candidat
             candidates.extend(candidate(host, node));
         }
     }
+    candidates
+}
+
+/// Literals that `wanted` may want and `read` knows.
+fn named(host: &HostFile, wanted: &dyn Fn(&str) -> bool, read: impl Fn(&Candidate) -> Option<Whole>) -> Vec<Embedded> {
+    let Some(root) = host.root() else { return Vec::new() };
     let mut candidates: Vec<(Candidate, Whole)> =
-        candidates.into_iter().filter_map(|c| read(&c).map(|whole| (c, whole))).collect();
+        candidates(host, wanted).into_iter().filter_map(|c| read(&c).map(|whole| (c, whole))).collect();
     candidates.sort_by_key(|(c, _)| c.place);
     let sources: Vec<Source<'_>> = candidates
         .iter()
@@ -128,13 +148,15 @@ fn named(host: &HostFile, wanted: &dyn Fn(&str) -> bool, read: impl Fn(&Candidat
         let Candidate { literal, place, variable, .. } = candidate;
         let (partial, wgsl) = (whole == Whole::No, whole == Whole::Module);
         let by_name = || variable.as_ref().and_then(|v| Stage::of_name(&v.0));
-        let stage = match marks::stage(&literal.text) {
+        let said = marks::stage(&literal.text);
+        let stage = match said {
             _ if wgsl => Some(Stage::Library),
             Ok(by_contents) => by_contents.or(created_as.map(|c| c.0)).or_else(by_name),
             Err(marks::Mixed) => None,
         };
-        // A part of any stage has functions all the same.
-        let part = (partial && !marks::has_main(&literal.text)).then_some(Stage::Library);
+        // A part of any stage has functions all the same, and so has a text of which nothing tells the stage.
+        let is_open = || said.is_ok() && body::is_surely_of_a_shader(&marks::without_comments(&literal.text));
+        let part = (partial && (!marks::has_main(&literal.text) || is_open())).then_some(Stage::Library);
         let Some(stage) = stage.or(part) else { continue };
         let line = host.file.position(place.start).line;
         let called = variable.as_ref().map_or_else(|| line.to_string(), |v| v.0.clone());

@@ -16,10 +16,23 @@ pub fn read(texts: &[Text], found: &mut HostMacros) {
             }
             continue;
         }
+        if is_in_list(texts, k) {
+            continue;
+        }
         for value in values_behind(texts, k) {
             found.add(text, &value, *at, *statement);
         }
     }
+}
+
+/// True for one of three or more strings in brackets, none of which is the value of another: `["position", "normal", "uv"]`.
+fn is_in_list(texts: &[Text], k: usize) -> bool {
+    let is_part = |text: &Text| matches!(text, HostText::String { .. } | HostText::Mark(','));
+    let start = texts[..k].iter().rposition(|text| !is_part(text));
+    let end = texts[k..].iter().position(|text| !is_part(text)).map_or(texts.len(), |end| k + end);
+    let list = start.filter(|start| texts[*start] == HostText::Mark('[')).map(|start| &texts[start + 1..end]);
+    let strings = |list: &[Text]| list.iter().filter(|text| matches!(text, HostText::String { .. })).count();
+    list.is_some_and(|list| texts.get(end) == Some(&HostText::Mark(']')) && strings(list) > 2)
 }
 
 /// True for a string that nothing is added to.

@@ -83,3 +83,9 @@ fn commands_that_compile_shaders_are_read() {
     assert_eq!(pairs(&found), [("WIDTH", "32"), ("FAST", "1")]);
     assert!(found.names(found.macros[0].statement, "sum.comp"));
 }
+
+#[test]
+fn strings_of_a_list_are_no_pairs() {
+    let text = "['position', 'normal', 'uv'].forEach(one);\nbuild([['WIDTH', '4'], ['TYPE', 'vec2']]);\n";
+    assert_eq!(pairs(&of("shaders.js", text)), [("WIDTH", "4"), ("TYPE", "vec2")]);
+}

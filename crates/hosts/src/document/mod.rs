@@ -15,11 +15,11 @@ mod tex;
 use base::text::{SourceFile, Span};
 use syntax::Stage;
 
-use crate::language::{Language, language_of};
+use crate::language::{Language, language_of, language_of_file};
 use crate::piece::Place;
 use crate::script::filled::{Imports, filled};
 use crate::sections::sections;
-use crate::{Embedded, HostFile, Literal, concerns_shaders, cpp};
+use crate::{Body, Embedded, HostFile, Literal, concerns_shaders, cpp, script};
 use blocks::Blocks;
 
 /// Endings of documents that a folder is searched for.
@@ -137,17 +137,26 @@ pub struct Printed {
 /// As [`printed_shaders`], and the modules in WGSL that a host puts together of templates, for commands that run them. What
 /// the file imports is read by `imports`.
 pub fn runnable_shaders(file: &SourceFile, imports: &mut Imports<'_>) -> Vec<Printed> {
-    let Some(host) = host_of(file) else { return printed_shaders(file) };
+    let Some(host) = host_of(file) else {
+        let all = printed_shaders(file);
+        return if all.is_empty() { statements(file).into_iter().collect() } else { all };
+    };
     let mut all = in_strings(file, &host);
+    let bodies = if host.is_script() { script::bodies(file) } else { cpp::embedded::bodies(&host) };
+    let is_body = |e: &Embedded| bodies.iter().any(|(_, body)| body.literal.place() == e.literal.place());
     let piece = |e: &Embedded| Some(Printed { part: true, ..printed(file, &e.name, e.stage, &e.literal)? });
+    let pieces = |found: &[Embedded]| -> Vec<Printed> {
+        found.iter().filter(|e| e.partial && !is_body(e)).filter_map(piece).collect()
+    };
     if !host.is_script() {
-        all.extend(cpp::embedded::pieces(&host).iter().filter_map(piece));
+        all.extend(pieces(&cpp::embedded::pieces(&host)));
+        all.extend(named_bodies(file, &bodies, &all));
         all.sort_by_key(|shader| *shader.lines.start());
         return all;
     }
-    let (pieces, whole): (Vec<&Embedded>, Vec<&Embedded>) = host.embedded().iter().partition(|e| e.partial);
-    let known: Vec<Span> = whole.iter().map(|e| e.place).collect();
-    all.extend(pieces.into_iter().filter_map(piece));
+    let known: Vec<Span> = host.embedded().iter().filter(|e| !e.partial).map(|e| e.place).collect();
+    all.extend(pieces(host.embedded()));
+    all.extend(named_bodies(file, &bodies, &all));
     all.extend(filled(file, &known, imports).into_iter().map(|filled| {
         let line = |offset: usize| file.position(offset).line;
         let lines = line(filled.place.start).saturating_sub(1)..=line(filled.place.end.saturating_sub(1)) + 1;
@@ -164,6 +173,34 @@ pub fn runnable_shaders(file: &SourceFile, imports: &mut Imports<'_>) -> Vec<Pri
     }));
     all.sort_by_key(|shader| *shader.lines.start());
     all
+}
+
+/// Statements that a host puts into functions, each by a name that no other text has.
+fn named_bodies(file: &SourceFile, bodies: &[(Option<String>, Body)], others: &[Printed]) -> Vec<Printed> {
+    let mut found: Vec<Printed> = Vec::new();
+    for (called, body) in bodies {
+        let line = body.literal.place().map_or(0, |place| file.position(place.start).line);
+        let mut name = format!("{}#{}", file.name(), called.clone().unwrap_or_else(|| line.to_string()));
+        if others.iter().chain(&found).any(|known| known.file.name() == name) {
+            name = format!("{name}:{line}");
+        }
+        found.extend(in_function(file, &name, body));
+    }
+    found
+}
+
+/// Statements as a function.
+fn in_function(file: &SourceFile, name: &str, body: &Body) -> Option<Printed> {
+    let printed = printed(file, name, Stage::Library, &body.literal)?;
+    Some(Printed { part: true, notes: body.notes(), ..printed })
+}
+
+/// A file of statements that its host puts into a function.
+fn statements(file: &SourceFile) -> Option<Printed> {
+    let is_glsl = matches!(language_of_file(file), Some(Language::Shader(_)));
+    let called = file.name().rsplit(['/', '\\']).next()?.split('.').next()?;
+    let whole = is_glsl.then(|| Literal::part(file, Span::new(0, file.text().len())))?;
+    in_function(file, file.name(), &Body::of(&whole, called)?)
 }
 
 /// The whole shaders in strings of host code.

@@ -25,7 +25,7 @@ use base::text::{SourceFile, Span};
 use syntax::Stage;
 use syntax::errors::Around;
 
-use crate::{Embedded, HostPrograms, Lookup, ProgramSource, ShaderRef, marks};
+use crate::{Body, Embedded, HostPrograms, Lookup, ProgramSource, ShaderRef, marks};
 use code::Code;
 use program::Programs;
 use strings::Text;
@@ -175,14 +175,42 @@ fn may_hold(text: &str) -> bool {
     text.contains("void main") || ["vec2", "vec3", "vec4"].iter().any(|word| text.contains(word))
 }
 
+/// Statements in strings of a file whose function its host writes, each with what it is kept under.
+pub fn bodies(file: &SourceFile) -> Vec<(Option<String>, Body)> {
+    let text = file.text();
+    let Some(language) = Language::of(file.name()) else { return Vec::new() };
+    // Most files of a project have no statements in strings.
+    if !concerns_shaders(text)
+        && !["gl_", "glsl", "shader", "Shader", "frag", "vert"].iter().any(|word| text.contains(word))
+    {
+        return Vec::new();
+    }
+    let (tokens, _) = token::tokens(text, language);
+    let own = strings::texts(file, language, &tokens).into_iter();
+    let own = own.filter(|text| !is_other(&marks::without_comments(&text.literal.text)));
+    own.filter_map(|Text { literal, names, .. }| {
+        let called = names.into_iter().next();
+        let body = Body::of(&literal, called.as_deref().unwrap_or(""))?;
+        Some((called, body))
+    })
+    .collect()
+}
+
+/// True for a text in another language, or one that is cut.
+fn is_other(code: &str) -> bool {
+    let other = ["float2", "float3", "float4", "cbuffer", "using", "import", "public", "SV_Position", "metal_stdlib"];
+    // A string that is cut within a block is a piece of a longer text.
+    // Data in JSON has quoted texts in it; its own braces are not those of a shader.
+    code.trim_start().starts_with('{')
+        || other.iter().any(|word| marks::has_word(code, word))
+        || code.matches('{').count() != code.matches('}').count()
+}
+
 /// The stage of a text that is a shader or a part of one.
 fn stage(text: &Text) -> Option<Stage> {
     let code = marks::without_comments(&text.literal.text);
     let has = |words: &[&str]| words.iter().any(|word| marks::has_word(&code, word));
-    let other = ["float2", "float3", "float4", "cbuffer", "using", "import", "public", "SV_Position", "metal_stdlib"];
-    // A string that is cut within a block is a piece of a longer text.
-    // Data in JSON has quoted texts in it; its own braces are not those of a shader.
-    if code.trim_start().starts_with('{') || has(&other) || code.matches('{').count() != code.matches('}').count() {
+    if is_other(&code) {
         return None;
     }
     if marks::has_main(&code) {

@@ -1,0 +1,98 @@
+//! Texts of which a host writes the rest: bodies of functions, strings that others include, and what stands in folders around.
+
+use std::fs;
+
+use crate::binary::{Ran, run_in, run_reported};
+
+fn fuzz(files: &[(&str, &str)], arguments: &str) -> Ran {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    }
+    run_in(folder.path(), &format!("fuzz {} --lane embedded --samples 2048 {arguments}", files[0].0))
+}
+
+/// Bodies of functions whose heads a host writes, and lines that it puts into a function.
+const HOST: &str = "export const nodes = [{\n  name: 'fade',\n  inputs: [{ type: 'float', name: 'amount' }],\n  \
+    glsl: `vec2 p = uv * 2.0 - 1.0;\n   return vec4(p, 0.0, sqrt(amount - 4096.0));`\n}];\n\
+    export const vertexTransform = `\nfloat t = position.y;\nposition.xz *= 1.0 + sqrt(t);\n`;\n\
+    export const colour = 'gl_FragColor.w = 0.5 * pow(gl_FragColor.w, 2.0);';\n";
+
+#[test]
+fn statements_in_strings_are_bodies_of_functions() {
+    let ran = fuzz(&[("nodes.js", HOST)], "");
+    assert!(ran.out.contains("3 functions run"), "{ran:?}");
+    assert!(ran.err.contains("`amount` as `float`") && ran.err.contains("`uv` as `vec2`"), "{ran:?}");
+    // Faults stand at their places in the host code.
+    assert!(ran.out.contains("nodes.js:5:24: `sqrt(amount - 4096.0)`"), "{ran:?}");
+    assert!(ran.out.contains("nodes.js:9:22"), "{ran:?}");
+    // What is written in part had a value before.
+    assert!(!ran.out.contains("before it has a value"), "{ran:?}");
+    let right = HOST.replace("sqrt(amount - 4096.0)", "amount").replace("sqrt(t)", "t * t");
+    let ran = fuzz(&[("nodes.js", &right)], "").expect(0);
+    assert!(ran.out.contains("3 functions run, 0 not run") && !ran.out.contains("has no value"), "{ran:?}");
+    let text = "const char* tint = \"vec3 c = albedo * light; colour.rgb = c / dot(c, c);\";\n";
+    let ran = fuzz(&[("tint.cpp", text)], "");
+    assert!(ran.out.contains("1 function run, 0 not run") && ran.out.contains("tint.cpp:1:59"), "{ran:?}");
+}
+
+#[test]
+fn statements_of_other_languages_are_no_bodies() {
+    let text = "const code = `let v = vec3.create(); vec3.add(v, a, b);`;\nconst c = 'float x = 1.0; return x;';\n\
+        const d = 'for (int i = 0; i < 4; i++) { sum += a[i]; }';\nconst p = 'A vec3 has three parts; a vec4 has four.';\n\
+        const s = 'const v = vec3(1, 2, 3); return v;';\n";
+    for name in ["a.js", "a.cpp"] {
+        let text =
+            if name == "a.cpp" { text.replace(['\'', '`'], "\"").replace("const ", "auto ") } else { text.into() };
+        let ran = fuzz(&[(name, &text)], "").expect(2);
+        assert!(ran.err.contains("holds no whole shader"), "{ran:?}");
+    }
+}
+
+#[test]
+fn a_file_of_statements_is_the_body_of_a_function() {
+    let text = "#ifdef USE_FOG\n  float depth = vFogDepth * fogScale;\n  \
+        gl_FragColor.rgb = mix(gl_FragColor.rgb, fogColor, log(depth));\n#endif\n";
+    let ran = fuzz(&[("fog_fragment.glsl", text)], "");
+    assert!(ran.err.contains("`USE_FOG` is defined"), "{ran:?}");
+    assert!(ran.out.contains("fog_fragment         ") && ran.out.contains("1 function run, 0 not run"), "{ran:?}");
+    assert!(ran.out.contains("fog_fragment.glsl:3:54: `log(depth)`"), "{ran:?}");
+    let ran = fuzz(&[("fog_fragment.glsl", &text.replace("log(depth)", "depth"))], "").expect(0);
+    assert!(!ran.out.contains("has no value") && ran.out.contains("1 function run"), "{ran:?}");
+    // Its cases are traced as well.
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("fog_fragment.glsl"), text).unwrap();
+    let ran = run_in(folder.path(), "fuzz fog_fragment.glsl --lane embedded --samples 2048");
+    let line = ran.out.lines().find_map(|line| line.trim().strip_prefix("reproduce  ")).unwrap();
+    let traced = run_reported(folder.path(), &line.replacen("fuzz", "trace", 1), &[]);
+    assert!(traced.out.contains("log(depth)"), "{traced:?}");
+    // A text of declarations stays one, with its errors.
+    let ran = fuzz(&[("a.glsl", "vec3 f(vec3 a) { return a }\n")], "").expect(1);
+    assert!(ran.out.contains("E001"), "{ran:?}");
+}
+
+#[test]
+fn what_a_function_writes_in_part_has_a_value_before() {
+    let text = "vec4 c;\nvoid fade(float t) {\n  c.w = t;\n}\n";
+    let ran = fuzz(&[("a.glsl", text)], "").expect(0);
+    assert!(ran.out.contains("1 function run") && !ran.out.contains("before it has a value"), "{ran:?}");
+    // Nobody writes to what a stage gives.
+    let stage = "#version 330\nout vec4 c;\nin float t;\nvoid main() {\n  c.w = t;\n}\n";
+    let ran = fuzz(&[("a.frag", stage)], "");
+    assert!(
+        ran.out.contains("c.x") || ran.out.contains("before it has a value") || ran.out.contains("not written"),
+        "{ran:?}"
+    );
+}
+
+#[test]
+fn a_string_whose_stage_nothing_tells_is_run_as_functions() {
+    let text = "const char* s = \"in vec2 uv; out vec4 c; void main() { c = vec4(sqrt(uv.x - 4096.0)); }\";\n\
+        const char* other = \"void main() { printf(1.0); }\";\n";
+    let ran = fuzz(&[("a.cpp", text)], "");
+    assert!(ran.out.contains("1 function run, 0 not run") && ran.out.contains("a.cpp:1:"), "{ran:?}");
+    let ran = fuzz(&[("a.cpp", &text.replace("sqrt(uv.x - 4096.0)", "uv.x"))], "").expect(0);
+    assert!(!ran.out.contains("a.cpp:1:"), "{ran:?}");
+}
