@@ -88,6 +88,16 @@ fn what_a_function_writes_in_part_has_a_value_before() {
 }
 
 #[test]
+fn a_layout_of_patches_tells_its_stage() {
+    let text = "const std::string control = R\"(\nlayout(vertices = 3) out;\nuniform float level;\n\
+        void main() {\n  gl_TessLevelOuter[0] = sqrt(level - 4096.0);\n}\n)\";\n";
+    let ran = fuzz(&[("a.cpp", text)], "");
+    assert!(ran.out.contains("1 function run, 0 not run") && ran.out.contains("a.cpp:5:26"), "{ran:?}");
+    let ran = fuzz(&[("a.cpp", &text.replace("level - 4096.0", "level * level"))], "").expect(0);
+    assert!(!ran.out.contains("a.cpp:5:"), "{ran:?}");
+}
+
+#[test]
 fn a_string_whose_stage_nothing_tells_is_run_as_functions() {
     let text = "const char* s = \"in vec2 uv; out vec4 c; void main() { c = vec4(sqrt(uv.x - 4096.0)); }\";\n\
         const char* other = \"void main() { printf(1.0); }\";\n";

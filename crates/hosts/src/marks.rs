@@ -15,8 +15,9 @@ pub fn stage(text: &str) -> Result<Option<Stage>, Mixed> {
     let has = |words: &[&str]| words.iter().any(|w| has_word(&code, w));
     let geometry = has(&["EmitVertex", "EndPrimitive", "max_vertices", "gl_PrimitiveIDIn"]);
     let compute = has(&["local_size_x", "gl_GlobalInvocationID", "gl_LocalInvocationID"]);
-    let control = has(&["gl_out"]) || (has(&["gl_InvocationID"]) && !geometry);
-    let evaluation = has(&["gl_TessCoord"]);
+    let control = has(&["gl_out"]) || (has(&["gl_InvocationID"]) && !geometry) || has_layout(&code, "vertices", "out");
+    let spaced = ["isolines", "quads", "equal_spacing", "fractional_even_spacing", "fractional_odd_spacing"];
+    let evaluation = has(&["gl_TessCoord"]) || spaced.iter().any(|word| has_layout(&code, word, "in"));
     let fragment = has(&[
         "gl_FragColor",
         "gl_FragData",
@@ -29,11 +30,11 @@ pub fn stage(text: &str) -> Result<Option<Stage>, Mixed> {
     ]);
     // The interface between stages has no locations there.
     let located = code.contains("#version 300 es");
-    let fragment = fragment || (located && has_location(&code, "out"));
+    let fragment = fragment || (located && has_layout(&code, "location", "out"));
     let later = geometry || control || evaluation;
     let vertex = has(&["attribute", "gl_VertexID", "gl_InstanceID", "gl_Vertex", "ftransform"])
         || (has(&["gl_Position"]) && !later && !has(&["gl_in"]))
-        || (located && has_location(&code, "in"));
+        || (located && has_layout(&code, "location", "in"));
     let all = [
         (vertex, Stage::Vertex),
         (control, Stage::TessControl),
@@ -49,11 +50,12 @@ pub fn stage(text: &str) -> Result<Option<Stage>, Mixed> {
     }
 }
 
-/// True when a variable with this storage is given a location.
-fn has_location(code: &str, storage: &str) -> bool {
+/// True when a layout with this word stands in front of this storage.
+fn has_layout(code: &str, word: &str, storage: &str) -> bool {
     code.match_indices("layout").any(|(at, _)| {
         let Some((inside, behind)) = code[at..].split_once(')') else { return false };
-        has_word(inside, "location") && behind.split_whitespace().next() == Some(storage)
+        let next = behind.split(|c: char| c.is_whitespace() || c == ';').find(|next| !next.is_empty());
+        has_word(inside, word) && next == Some(storage)
     })
 }
 
@@ -181,6 +183,12 @@ mod tests {
             ("layout(local_size_x = 1) in; void main() { }", Ok(Some(Stage::Compute))),
             ("void main() { gl_Position = gl_TessCoord.xyzz; }", Ok(Some(Stage::TessEvaluation))),
             ("out vec4 c; void main() { c = vec4(1.0); }", Ok(None)),
+            ("layout(vertices = 3) out; void main() { gl_TessLevelOuter[0] = 1.0; }", Ok(Some(Stage::TessControl))),
+            (
+                "layout(quads, cw) in; void main() { gl_Position = gl_in[0].gl_Position; }",
+                Ok(Some(Stage::TessEvaluation)),
+            ),
+            ("layout(points) in; out vec4 vertices; void main() { }", Ok(None)),
             (
                 "#version 300 es\nlayout (location = 0) out vec4 c; void main() { c = vec4(1.0); }",
                 Ok(Some(Stage::Fragment)),
