@@ -282,6 +282,7 @@ pub(super) fn subjects(
                     () if rewritten => Some("its engine rewrites declarations"),
                     () if all_are(errors::TEMPLATE) => Some("its host fills in placeholders, unless `--define` does"),
                     () if compose::lack_files(&errors) => Some("what it imports is not here; `-I FOLDER` names it"),
+                    () if all_are(errors::FRAGMENT) && source.is_a_part() => Some(PART),
                     () if all_are(program::UNSUPPORTED) => Some("its reader here does not take it"),
                     () => None,
                 };
@@ -395,6 +396,9 @@ fn errors_of(found: Vec<Diagnostic>) -> Vec<Diagnostic> {
     let is_wrong = |error: &Diagnostic| error.code != errors::MISSING_MAIN || !error.span.is_empty();
     found.into_iter().filter(|d| d.severity == Severity::Error && is_wrong(d)).collect()
 }
+
+/// Why a text is not run that lacks names, and for which nothing can be found that stands for them.
+const PART: &str = "others declare what it uses";
 
 /// Why a text is not run that lint does not call wrong either.
 const HOST_DECIDES: &str = "its version, extensions or host decide";

@@ -386,6 +386,15 @@ impl IncludedText {
         is_slip(error, &self.made_up)
     }
 
+    /// True for a text in WGSL that follows the grammar, and lacks no name that nobody means to declare, nor anything that a
+    /// host fills in.
+    pub fn is_a_part(&self) -> bool {
+        let lacking = self.joined.as_ref().map(Joined::unknown_names).unwrap_or_default();
+        let mut told = Shader::parse_wgsl(&self.file).diagnostics.into_iter();
+        let is_torn = told.any(|found| found.severity == Severity::Error && syntax::errors::is_of_the_text(found.code));
+        self.open.is_none() && !is_torn && !lacking.iter().any(|error| self.is_slip(error))
+    }
+
     /// Why an error of the text need not be its author's: what is not known of it.
     pub fn open(&self) -> Option<&str> {
         self.open.as_deref()

@@ -106,3 +106,27 @@ fn a_string_whose_stage_nothing_tells_is_run_as_functions() {
     let ran = fuzz(&[("a.cpp", &text.replace("sqrt(uv.x - 4096.0)", "uv.x"))], "").expect(0);
     assert!(!ran.out.contains("a.cpp:1:"), "{ran:?}");
 }
+
+#[test]
+fn names_are_looked_for_in_folders_around_where_no_input_stands_for_them() {
+    // No input makes an array of an unknown length of a structure that is taken apart so.
+    let part = "@group(0) @binding(0) var<storage, read_write> found: Found;\n\
+        @compute @workgroup_size(8)\nfn cs(@builtin(global_invocation_id) id: vec3u) {\n  \
+        if id.x >= arrayLength(&found.values) { return; }\n  found.values[id.x] = scaled(found.values[id.x]);\n}\n";
+    let common = "struct Found { count: u32, values: array<f32>, }\nfn scaled(x: f32) -> f32 { return x / 0.5; }\n";
+    let manifest = ("Cargo.toml", "[package]\nname = \"a\"\n");
+    let ran = fuzz(&[("src/a/part.wgsl", part), ("src/b/common.wgsl", common), manifest], "").expect(0);
+    assert!(ran.err.contains("`Found` is taken from src/b/common.wgsl"), "{ran:?}");
+    let wrong = common.replace("x / 0.5", "sqrt(x - 4096.0)");
+    let ran = fuzz(&[("src/a/part.wgsl", part), ("src/b/common.wgsl", &wrong), manifest], "");
+    assert!(ran.out.contains("src/b/common.wgsl:2:"), "{ran:?}");
+    // Where nothing declares them, that is no error of the text.
+    let ran = fuzz(&[("src/a/part.wgsl", part), manifest], "");
+    assert!(ran.out.contains("not run") && !ran.out.contains("error["), "{ran:?}");
+    // A slip is one.
+    let slip = part.replace("id.x >=", "id.x + foundd.count >=");
+    let slip =
+        format!("struct Found {{ count: u32, values: array<f32>, }}\n{slip}fn scaled(x: f32) -> f32 {{ return x; }}\n");
+    let ran = fuzz(&[("src/a/part.wgsl", &slip), manifest], "").expect(1);
+    assert!(ran.out.contains("foundd"), "{ran:?}");
+}

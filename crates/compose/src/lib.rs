@@ -53,6 +53,11 @@ pub trait Library {
 
     /// Files that may be parts of the same text, where the host joins them.
     fn siblings(&mut self, from: &SourceFile) -> Vec<SourceFile>;
+
+    /// Further files that may be, folder by folder outwards; none where nothing is to be guessed.
+    fn around(&mut self, _from: &SourceFile) -> Vec<Vec<SourceFile>> {
+        Vec::new()
+    }
 }
 
 /// What is stated from outside.

@@ -149,7 +149,7 @@ struct Linker<'a> {
     /// Modules of the files that the host puts before the text.
     preludes: Vec<usize>,
     /// Files that may be parts of the same text; none before they are asked for.
-    siblings: Option<Vec<SourceFile>>,
+    siblings: Option<Vec<Vec<SourceFile>>>,
     guessed: Vec<Guessed>,
     undeclared: Vec<(Item, Use, Undeclared)>,
     notes: Vec<Diagnostic>,
@@ -405,16 +405,27 @@ impl Linker<'_> {
         self.guessed.iter().any(|guess| guess.file == self.linked.modules[module].author.name())
     }
 
-    /// Declarations of a name in files beside this one.
+    /// Declarations of a name in files beside this one, or else in the nearest folder around that has any.
     fn candidates(&mut self, from: usize, name: &str) -> Vec<Item> {
         if self.siblings.is_none() {
             let root = self.linked.modules[0].author.clone();
-            self.siblings = Some(self.library.siblings(&root));
+            let mut folders = vec![self.library.siblings(&root)];
+            folders.extend(self.library.around(&root));
+            self.siblings = Some(folders);
         }
+        let folders = self.siblings.as_ref().map_or(0, Vec::len);
+        let mut all = (0..folders).map(|folder| self.declarations(folder, from, name));
+        all.find(|found| !found.is_empty()).unwrap_or_default()
+    }
+
+    /// Declarations of a name in the files of one folder.
+    fn declarations(&mut self, folder: usize, from: usize, name: &str) -> Vec<Item> {
         let own = self.linked.modules[from].author.name().to_owned();
-        let files = self.siblings.iter().flatten().filter(|file| file.name() != own && file.text().contains(name));
+        let files = self.siblings.iter().flatten().nth(folder).into_iter().flatten();
+        let files: Vec<SourceFile> =
+            files.filter(|file| file.name() != own && file.text().contains(name)).cloned().collect();
         let mut found = Vec::new();
-        for file in files.cloned().collect::<Vec<_>>() {
+        for file in files {
             let known = self.by_file.get(file.name()).copied();
             let at = known.unwrap_or_else(|| {
                 // What is wrong with a file that nobody named is none of this text's business.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::elsewhere::{plain, refusal};
+use crate::hosts::{Budget, hosts_around};
 use crate::includes::only_one;
 use crate::{MOST_BYTES, read_source};
 use base::diagnostic::Diagnostic;
@@ -46,18 +47,26 @@ pub struct Modules {
     left: u64,
     /// A file below the folder of the one that asks is found by its name.
     below: bool,
+    /// What no file beside the one that asks declares is looked for in the folders around.
+    around: bool,
 }
 
 impl Modules {
     /// Looks for files in the folders that a user names, besides those around the file that asks.
     pub fn new(folders: Vec<PathBuf>) -> Self {
-        Self { folders, said: BTreeMap::new(), failed: None, left: MOST_BYTES, below: false }
+        Self { folders, said: BTreeMap::new(), failed: None, left: MOST_BYTES, below: false, around: false }
     }
 
     /// Finds `#import name` by the name of a file in the folders below, too: a guess about the host, for a text that is run.
     #[must_use]
     pub fn with_files_below(self) -> Self {
         Self { below: true, ..self }
+    }
+
+    /// Finds names that no file beside the one that asks declares in files of its project, too: a guess as well.
+    #[must_use]
+    pub fn with_files_around(self) -> Self {
+        Self { around: true, ..self }
     }
 
     /// The text that a file stands for.
@@ -407,6 +416,18 @@ impl Library for Modules {
         // A file that nobody named and that is no text is none of this one's business.
         let text = |path: &PathBuf| Some(decode(&plain(path), &read_source(path).ok()?).ok()?.file);
         paths.iter().filter_map(text).collect()
+    }
+
+    fn around(&mut self, from: &SourceFile) -> Vec<Vec<SourceFile>> {
+        let (mut budget, mut found) = (Budget::default(), Vec::new());
+        if self.around {
+            hosts_around(Path::new(from.name()), &has_ending, &mut |paths| {
+                let others = paths.iter().filter(|path| plain(path) != plain(Path::new(from.name())));
+                found.push(others.take(MOST_SIBLINGS).filter_map(|path| budget.read(path)).collect());
+                true
+            });
+        }
+        found
     }
 }
 

@@ -20,6 +20,8 @@ pub struct Joined {
     stated: Vec<String>,
     /// What a text in WGSL was to be put together from, where imports are not there or directives have no values.
     lacks: Option<Request>,
+    /// The same of a text that lacks names which no file beside it declares.
+    wider: Option<Request>,
 }
 
 /// A text in WGSL, where what it imports is looked for, and how it is read.
@@ -56,6 +58,7 @@ impl Joined {
                 made: JoinedText::Compiled { file, folders, defines, asked: asked.clone() },
                 stated,
                 lacks: None,
+                wider: None,
             }));
         }
         // A text in another language than its ending says is told as such by its reader.
@@ -69,28 +72,43 @@ impl Joined {
         };
         let stated = composed.as_ref().map(|composed| composed.stated.clone()).unwrap_or_default();
         let missing = |d: &Diagnostic| [errors::IMPORT, errors::VALUELESS, errors::TEMPLATE].contains(&d.code);
-        let lacks = composed.as_ref().is_err_and(|found| found.iter().all(missing)).then(|| Request {
-            file: file.clone(),
-            folders: folders.to_vec(),
-            options: Options { open: true, ..options.clone() },
-        });
-        Ok(Some(Self { made: JoinedText::Composed(composed), stated, lacks }))
+        let request =
+            |options: &Options| Request { file: file.clone(), folders: folders.to_vec(), options: options.clone() };
+        let lacks = composed.as_ref().is_err_and(|found| found.iter().all(missing));
+        let lacks = lacks.then(|| request(&Options { open: true, ..options.clone() }));
+        let wider = composed.as_ref().is_ok_and(|text| !text.undeclared.is_empty()).then(|| request(options));
+        Ok(Some(Self { made: JoinedText::Composed(composed), stated, lacks, wider }))
     }
 
-    /// Puts declarations behind a text in WGSL for the names that it lacks, and gives them. Nothing changes where it lacks
-    /// none, or is wrong with them as well.
+    /// Puts declarations behind a text in WGSL for the names that it lacks, and gives them. Where it is wrong with whatever
+    /// stands for them, they are looked for in the folders around, which take no part otherwise. Nothing changes where it
+    /// lacks none, or is wrong with them as well.
     pub fn complete(&mut self) -> Vec<Stand> {
         let JoinedText::Composed(made) = &self.made else { return Vec::new() };
         let open = self.open();
         let Some(text) = open.as_ref().or(made.as_ref().ok()) else { return Vec::new() };
-        let nothing = || open.is_some() && text.undeclared.is_empty();
-        let completed = wgsl::completed(text).or_else(|| nothing().then(|| (text.file.clone(), Vec::new())));
-        let Some((file, stands)) = completed else { return Vec::new() };
-        let whole = Composed { file, undeclared: Vec::new(), rest: None, ..text.clone() };
+        let with = |text: &Composed, nothing: bool| {
+            let found = wgsl::completed(text).or_else(|| nothing.then(|| (text.file.clone(), Vec::new())));
+            let whole =
+                |(file, stands)| (Composed { file, undeclared: Vec::new(), rest: None, ..text.clone() }, stands);
+            found.map(whole)
+        };
+        let around = || {
+            let text = self.around().filter(|found| found.undeclared.len() < text.undeclared.len())?;
+            with(&text, text.undeclared.is_empty())
+        };
+        let completed = with(text, open.is_some() && text.undeclared.is_empty()).or_else(around);
+        let Some((whole, stands)) = completed else { return Vec::new() };
         // What was refused before told of nothing that it takes.
         self.stated.clone_from(&whole.stated);
         self.made = JoinedText::Composed(Ok(whole));
         stands
+    }
+
+    /// The text with what files in the folders around declare.
+    fn around(&self) -> Option<Composed> {
+        let Request { file, folders, options } = self.lacks.as_ref().or(self.wider.as_ref())?;
+        Modules::new(folders.clone()).with_files_below().with_files_around().compose(file, options).ok()
     }
 
     /// The text of a file of which imports are not there or directives have no values.
