@@ -130,3 +130,13 @@ fn names_are_looked_for_in_folders_around_where_no_input_stands_for_them() {
     let ran = fuzz(&[("src/a/part.wgsl", &slip), manifest], "").expect(1);
     assert!(ran.out.contains("foundd"), "{ran:?}");
 }
+
+#[test]
+fn a_member_with_a_number_in_brackets_is_a_vector() {
+    let text = "#import engine::view::view\n\
+        fn scale(x: f32) -> f32 {\n  let vp = view.viewport;\n  return x * sqrt(min(vp[2], vp[3]));\n}\n";
+    let ran = fuzz(&[("a.wgsl", text)], "");
+    assert!(ran.out.contains("1 function run, 0 not run") && ran.out.contains("a.wgsl:4:14"), "{ran:?}");
+    let ran = fuzz(&[("a.wgsl", &text.replace("sqrt(min(vp[2], vp[3]))", "min(vp[2], vp[3])"))], "").expect(0);
+    assert!(ran.out.contains("1 function run, 0 not run") && !ran.out.contains("a.wgsl:4:"), "{ran:?}");
+}

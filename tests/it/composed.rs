@@ -330,10 +330,10 @@ fn an_include_is_found_from_each_folder_around_the_file_up_to_this_one() {
 #[test]
 fn a_module_of_an_engine_that_is_not_here_is_not_run() {
     let text =
-        "#import engine::view::view\nfn f(x: f32) -> f32 { let v = view.viewport; return min(v[2], v[3]) * x; }\n";
+        "#import engine::view::view\nfn f(x: f32) -> f32 { let w: array<f32, 3> = view.weights; return w[1] * x; }\n";
     let (status, out, err) = run(&[("part.wgsl", text)], &["fuzz", "--lane", "embedded"]);
     assert!(status == Some(2) && out.contains("not run: what it imports is not here"), "{status:?} {out}{err}");
-    let view = "#define_import_path engine::view\nstruct View { viewport: vec4f }\n@group(0) @binding(0) var<uniform> view: View;\n";
+    let view = "#define_import_path engine::view\nstruct View { weights: array<f32, 3> }\n@group(0) @binding(0) var<storage> view: View;\n";
     let (status, out, err) =
         run(&[("part.wgsl", text), ("view.wgsl", view)], &["fuzz", "-I", ".", "--lane", "embedded"]);
     assert!(status == Some(0) && out.contains("1 function run, 0 not run"), "{status:?} {out}{err}");

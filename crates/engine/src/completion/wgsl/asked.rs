@@ -1,5 +1,7 @@
 //! What a name that nothing declares may be, by its uses.
 
+mod uses;
+
 use std::collections::HashMap;
 
 use syntax::Shader;
@@ -321,75 +323,6 @@ impl<'s> Asked<'s> {
         }
     }
 
-    /// Places of the variable that is named at a place.
-    fn of_variable(&self, place: usize) -> Vec<ExprId> {
-        let symbols = self.shader.symbols();
-        let symbol = symbols.filter(|(_, own)| own.span.is_some_and(|span| span.start == place)).last();
-        let Some((symbol, _)) = symbol else { return Vec::new() };
-        let all = self.shader.arena().iter().map(|(id, _)| id);
-        all.filter(|own| self.shader.symbol_of(*own) == Some(symbol)).collect()
-    }
-
-    /// Types that several uses ask for, the likeliest first.
-    fn of_uses(&self, uses: Vec<ExprId>, depth: u32) -> Vec<String> {
-        let mut scores: Vec<(String, f64)> = Vec::new();
-        for id in uses {
-            let found = self.expected(id, depth);
-            for (rank, ty) in found.into_iter().filter(|ty| !ty.is_empty() && ty != "void").enumerate() {
-                let weight = 1.0 / (1.0 + f64::from(u32::try_from(rank).unwrap_or(u32::MAX)));
-                match scores.iter_mut().find(|(known, _)| *known == ty) {
-                    Some((_, score)) => *score += weight,
-                    None => scores.push((ty, weight)),
-                }
-            }
-        }
-        scores.sort_by(|a, b| b.1.total_cmp(&a.1));
-        scores.into_iter().map(|(ty, _)| ty).collect()
-    }
-
-    /// Places of a name.
-    fn uses(&self, name: &str) -> Vec<ExprId> {
-        let is = |kind: &ExprKind| matches!(kind, ExprKind::Name(own) if own == name);
-        self.shader.arena().iter().filter(|(_, expr)| is(&expr.kind)).map(|(id, _)| id).collect()
-    }
-
-    /// Members that are asked of expressions and are no components, and whether elements are.
-    fn parts(&self, uses: &[ExprId]) -> (Vec<String>, bool) {
-        let (mut members, mut indexed) = (Vec::new(), false);
-        for id in uses {
-            let Some(parent) = self.parents.get(id) else {
-                // What a variable holds is used where that is.
-                if let Some(Around::Variable(place)) = self.around.get(id) {
-                    members.extend(self.parts(&self.of_variable(*place)).0);
-                }
-                continue;
-            };
-            match &self.shader.expr(*parent).kind {
-                ExprKind::Field { field, .. } if is_swizzle(&field.name) => {}
-                ExprKind::Field { field, .. } => members.push(field.name.clone()),
-                ExprKind::Index { base, .. } if base == id => {
-                    indexed = true;
-                    members.extend(self.parts(&[*parent]).0);
-                }
-                _ => {}
-            }
-        }
-        (members, indexed)
-    }
-
-    /// Structures of the text that have all of these members.
-    fn structures(&self, members: &[String]) -> Vec<String> {
-        let items = self.shader.wgsl().map(|module| module.items.as_slice()).unwrap_or_default();
-        let has = |item: &ModuleItem| match item {
-            ModuleItem::Struct { name, members: own } => members
-                .iter()
-                .all(|wanted| own.iter().any(|member| member.name.name == *wanted))
-                .then(|| name.name.clone()),
-            _ => None,
-        };
-        items.iter().filter_map(has).collect()
-    }
-
     /// Types that uses of a name ask for: a structure of the text, or one that is made for it, where members are asked for.
     fn types(&self, name: &str, uses: &[ExprId]) -> Vec<String> {
         let (members, _) = self.parts(uses);
@@ -511,10 +444,12 @@ impl<'s> Asked<'s> {
             _ => false,
         };
         let uses: Vec<ExprId> = self.shader.arena().iter().map(|(id, _)| id).filter(is).collect();
+        let uses = self.through(uses);
         let (members, indexed) = self.parts(&uses);
         let elements: Vec<ExprId> = uses.iter().filter_map(|id| self.parents.get(id).copied()).collect();
         let called = format!("{}_{member}", structure.trim_end_matches(MADE));
         let mut types = self.types(&called, if indexed { &elements } else { &uses });
+        let components = self.are_components(&uses);
         // What is named so has that type where nothing else is known.
         if members.is_empty() && self.of_uses(uses, 0).is_empty() {
             let usual = match member {
@@ -527,7 +462,15 @@ impl<'s> Asked<'s> {
             types.splice(0..0, usual.map(str::to_owned));
         }
         let one = |count: Option<u32>| types.iter().map(move |ty| Shape { ty: ty.clone(), count });
-        if indexed { one(Some(ELEMENTS)).chain(one(None)).collect() } else { one(None).collect() }
+        if !indexed {
+            return one(None).collect();
+        }
+        // `viewport[2]` is a component: an array in a uniform has no numbers beside each other.
+        let vector = match types.first().map(String::as_str) {
+            Some(number @ ("f32" | "u32" | "i32")) if components => Some(Shape::one(format!("vec4{}", &number[..1]))),
+            _ => None,
+        };
+        vector.into_iter().chain(one(Some(ELEMENTS))).chain(one(None)).collect()
     }
 
     /// What a function may be, by its arguments and by what is done with what it gives.
