@@ -140,3 +140,18 @@ fn a_member_with_a_number_in_brackets_is_a_vector() {
     let ran = fuzz(&[("a.wgsl", &text.replace("sqrt(min(vp[2], vp[3]))", "min(vp[2], vp[3])"))], "").expect(0);
     assert!(ran.out.contains("1 function run, 0 not run") && !ran.out.contains("a.wgsl:4:"), "{ran:?}");
 }
+
+#[test]
+fn the_size_of_a_workgroup_is_one_value_everywhere() {
+    let text = "export const sum = (size) => `\n@group(0) @binding(0) var<storage, read_write> data: array<f32>;\n\
+        const size: u32 = ${size};\nvar<workgroup> part: array<f32, ${size}>;\n@compute @workgroup_size(${size})\n\
+        fn main(@builtin(local_invocation_index) i: u32) {\n  part[i] = data[i];\n  workgroupBarrier();\n  \
+        data[i] = part[(i + 1u) % size];\n}\n`;\n";
+    let ran = fuzz(&[("a.js", text)], "").expect(0);
+    assert!(
+        ran.err.contains("`${size}` at a.js:3:19 is taken for 64") && ran.out.contains("1 function run"),
+        "{ran:?}"
+    );
+    let ran = fuzz(&[("a.js", &text.replace("(i + 1u) % size", "i + 1u"))], "");
+    assert!(ran.out.contains("outside of its 64 elements"), "{ran:?}");
+}

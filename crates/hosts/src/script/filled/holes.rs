@@ -15,6 +15,9 @@ const LONGEST_NAME: usize = 40;
 /// Holes that a note lists.
 const LISTED: usize = 6;
 
+/// What a number of invocations along an axis is.
+const SIZE: &str = "a size of a workgroup";
+
 /// A text without holes.
 pub(super) struct Closed {
     pub file: SourceFile,
@@ -54,6 +57,7 @@ enum Stand {
 pub(super) fn closed(text: &SourceFile, open: &[Open]) -> Closed {
     let code = Code::read(text.text());
     let mut numbers = Numbers::new(text.text());
+    let sizes = code.sizes(text.text(), open, &mut numbers);
     let (mut length, mut places, mut told) = (0, Vec::new(), Vec::new());
     let mut out = Assembly::new();
     let (mut at, mut nothing, mut taken, mut inputs, mut made_up) = (0, Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -63,7 +67,12 @@ pub(super) fn closed(text: &SourceFile, open: &[Open]) -> Closed {
         out.copy(text, Span::new(at, mark.span.start));
         length += mark.span.start - at;
         let place = || open.file.locate(open.span.start);
-        let stand = if mark.in_comment { Stand::Silent } else { hole.stand(&mut numbers) };
+        // What gives a workgroup its size has that value everywhere.
+        let stand = match sizes.get(&(open.file.name(), &open.written[..])) {
+            _ if mark.in_comment => Stand::Silent,
+            Some(size) => Stand::Taken(size.to_string(), SIZE),
+            None => hole.stand(&mut numbers),
+        };
         let mut behind = 0;
         let written = match stand {
             Stand::Silent => " ".to_owned(),
@@ -145,6 +154,13 @@ struct Mark {
     bracket: Option<usize>,
 }
 
+impl Mark {
+    /// True for a hole between the parentheses of a size of a workgroup.
+    fn is_size(&self, code: &str) -> bool {
+        self.bracket.is_some_and(|at| code[..at].trim_end().ends_with("@workgroup_size"))
+    }
+}
+
 /// A text without its comments, and its holes.
 struct Code {
     code: String,
@@ -201,6 +217,21 @@ impl Code {
         Self { code, marks }
     }
 
+    /// The values of expressions that are the size of a workgroup somewhere: the smallest of those that their places ask for.
+    fn sizes<'o>(&self, text: &str, open: &'o [Open], numbers: &mut Numbers) -> HashMap<(&'o str, &'o str), u32> {
+        let mut found: HashMap<(&str, &str), u32> = HashMap::new();
+        for mark in self.marks.iter().filter(|mark| !mark.in_comment && mark.is_size(&self.code)) {
+            let Some(open) = open.get(mark.number) else { continue };
+            if let Stand::Taken(size, SIZE) = self.hole(text, mark, open).stand(numbers)
+                && let Ok(size) = size.parse()
+            {
+                let known = found.entry((open.file.name(), &open.written)).or_insert(size);
+                *known = size.min(*known);
+            }
+        }
+        found
+    }
+
     fn hole<'a>(&'a self, text: &'a str, mark: &Mark, open: &'a Open) -> Hole<'a> {
         let line = text[..mark.span.start].rsplit('\n').next().unwrap_or("").trim();
         let behind = &text[mark.span.end..];
@@ -235,7 +266,7 @@ impl Hole<'_> {
         }
         if let (true, Some((_, arguments))) = (within("@workgroup_size"), list) {
             let all = self.behind.split(')').next().unwrap_or("");
-            return Stand::Taken(size(arguments, all).to_string(), "a size of a workgroup");
+            return Stand::Taken(size(arguments, all).to_string(), SIZE);
         }
         // `#if ${SHADOWS}`
         if self.before.rsplit('\n').next().is_some_and(|line| line.trim_start().starts_with('#')) {
