@@ -1,11 +1,13 @@
 //! Texts of several files, and those that a compiler reads, for commands that run them.
 
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use clap::Args;
 
 use super::check::shell_word;
+use super::chunks::Chunks;
 use super::translate::read;
 use base::text::SourceFile;
 use compose::Options;
@@ -55,6 +57,8 @@ pub struct Given<'a> {
     pub entry: Option<&'a str>,
     /// Its stage.
     pub stage: Option<Stage>,
+    /// Where strings are looked for that texts include by name; none where they are not.
+    pub chunks: Option<&'a RefCell<Chunks>>,
 }
 
 impl Given<'_> {

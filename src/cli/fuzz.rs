@@ -7,6 +7,7 @@ mod reproducible;
 mod stub;
 mod switches;
 
+use std::cell::RefCell;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -15,7 +16,7 @@ use clap::Args;
 
 use super::below;
 use super::check::shell_word;
-use super::compose::ComposeArgs;
+use super::compose::{ComposeArgs, Given};
 use super::hosts::Hosts;
 use super::includes::{self, IncludedText};
 use super::inputs::InputArgs;
@@ -167,6 +168,8 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     // A text of which no resource has a binding runs with a host that assigns them, or not at all.
     let compose = ComposeArgs { assign_bindings: true, ..args.compose.clone() };
     let reading = args.input.reading(Some(&compose), args.function.first().map(String::as_str));
+    let chunks = RefCell::default();
+    let reading = Given { chunks: Some(&chunks), ..reading };
     let mut hosts = Hosts::default();
     let (files, searched) = below::shaders_and_hosts(&args.files)?;
     let mut sources: Vec<IncludedText> = Vec::new();

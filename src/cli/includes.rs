@@ -96,6 +96,11 @@ pub fn read_one(path: &Path, given: &Given<'_>) -> anyhow::Result<IncludedText> 
 /// # Errors
 /// When a file that it includes, and that is there, cannot be read.
 pub fn with_includes(file: &SourceFile, path: &Path, given: &Given<'_>) -> anyhow::Result<IncludedText> {
+    let (file, filled) = match given.chunks {
+        Some(chunks) if file.text().contains("include") => chunks.borrow_mut().put(file, path),
+        _ => (file.clone(), Vec::new()),
+    };
+    let file = &file;
     let mut includes = Includes::new(given.folders.to_vec(), "`-I FOLDER`");
     // A compiler gets a text with its includes, whose places are known so.
     let compiled = if Written::of(file).is_compiled() { Some(includes.resolve(file)?) } else { None };
@@ -120,7 +125,7 @@ pub fn with_includes(file: &SourceFile, path: &Path, given: &Given<'_>) -> anyho
         shares: false,
         looked_for: false,
         versioned_by_host: false,
-        filled: Vec::new(),
+        filled,
         made_up: Vec::new(),
         open: None,
         resting: Vec::new(),
@@ -156,7 +161,8 @@ fn texts(
         let is_file = hosts::language_of(&path.to_string_lossy()).is_some();
         let called = if is_file { format!("{}:{}", path.shown(), shader.lines.start() + 1) } else { name.clone() };
         let whole = with_includes(&shader.file, &path, given)?;
-        let (filled, made_up, resting) = (shader.notes, shader.made_up, shader.resting);
+        let filled = [shader.notes, whole.filled.clone()].concat();
+        let (made_up, resting) = (shader.made_up, shader.resting);
         let part = || shader.part.then(|| "its host puts it into other texts".to_owned());
         let open = shader.open.or_else(part);
         Ok(IncludedText {

@@ -38,7 +38,7 @@ impl InputArgs {
 
     /// How a file is read.
     pub fn reading<'a>(&'a self, compose: Option<&'a ComposeArgs>, entry: Option<&'a str>) -> Given<'a> {
-        Given { folders: &self.include, defines: &self.define, compose, entry, stage: self.stage() }
+        Given { folders: &self.include, defines: &self.define, compose, entry, stage: self.stage(), chunks: None }
     }
 
     /// The domains that are stated.

@@ -10,6 +10,8 @@ mod below;
 pub mod calibrate;
 #[cfg(feature = "run")]
 pub mod check;
+#[cfg(feature = "run")]
+mod chunks;
 pub mod color;
 #[cfg(feature = "run")]
 pub mod compare;

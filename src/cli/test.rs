@@ -233,8 +233,14 @@ struct ReadFile<'m> {
 /// Reads a file with its tests.
 fn read<'m>(args: &TestArgs, path: &Path, marked: &'m Marked) -> anyhow::Result<ReadFile<'m>> {
     let compose = ComposeArgs { assign_bindings: true, ..args.compose.clone() };
-    let reading =
-        Given { folders: &args.include, defines: &args.define, compose: Some(&compose), entry: None, stage: None };
+    let reading = Given {
+        folders: &args.include,
+        defines: &args.define,
+        compose: Some(&compose),
+        entry: None,
+        stage: None,
+        chunks: None,
+    };
     let source = includes::with_includes(&marked.file, path, &reading)?;
     // Nothing stands for what a text lacks: a name that nothing declares is a mistake in a test.
     let source = source.with_prelude(super::prelude(None));

@@ -1,12 +1,13 @@
 //! `shadercheck trace`: one case of a function, expression after expression, to the first that goes wrong.
 
+use std::cell::RefCell;
 use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
 
 use super::check::{Format, profile};
-use super::compose::ComposeArgs;
+use super::compose::{ComposeArgs, Given};
 use super::fuzz::{Inputs, all_known, subjects};
 use super::hosts::Hosts;
 use super::includes::{self, IncludedText};
@@ -104,7 +105,8 @@ pub fn run(args: &TraceArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     };
     let compose = ComposeArgs { assign_bindings: true, ..args.compose.clone() };
     let reading = args.input.reading(Some(&compose), args.function.first().map(String::as_str));
-    let source = includes::read_one(&args.file, &reading)?;
+    let chunks = RefCell::default();
+    let source = includes::read_one(&args.file, &Given { chunks: Some(&chunks), ..reading })?;
     let source = source.with_prelude(super::prelude(None)).assuming(&args.input.define, &mut Hosts::default());
     for note in source.notes() {
         writeln!(err, "note: {note}")?;

@@ -61,7 +61,7 @@ pub struct TranslateArgs {
 pub fn run(args: &TranslateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
     let (folders, defines, entry) = (&args.include[..], &args.define[..], args.entry.as_deref());
     let stage = args.stage.map(Stage::from);
-    let stated = Given { folders, defines, compose: Some(&args.compose), entry, stage };
+    let stated = Given { folders, defines, compose: Some(&args.compose), entry, stage, chunks: None };
     let source = super::includes::read_one(&args.file, &stated)?;
     for note in source.notes() {
         writeln!(err, "note: {note}")?;

@@ -155,3 +155,27 @@ fn the_size_of_a_workgroup_is_one_value_everywhere() {
     let ran = fuzz(&[("a.js", &text.replace("(i + 1u) % size", "i + 1u"))], "");
     assert!(ran.out.contains("outside of its 64 elements"), "{ran:?}");
 }
+
+#[test]
+fn strings_that_host_code_keeps_are_included_by_their_names() {
+    let noise = (
+        "lib/noise.ts",
+        "export let Noise: string = /* wgsl */`\nfn noise(x: f32) -> f32 { return sqrt(x - 4096.0); }\n`;\n",
+    );
+    let text = "export let Main = /* wgsl */`\n#include 'Noise'\n@group(0) @binding(0) var<storage, read_write> d: array<f32>;\n\
+        @compute @workgroup_size(4)\nfn cs(@builtin(global_invocation_id) id: vec3u) { d[id.x] = noise(d[id.x]); }\n`;\n";
+    let manifest = ("package.json", "{}");
+    let ran = fuzz(&[("src/main.ts", text), ("src/lib/noise.ts", noise.1), manifest], "");
+    assert!(ran.err.contains("`Noise` is taken from src/lib/noise.ts"), "{ran:?}");
+    assert!(ran.out.contains("src/lib/noise.ts:2:"), "{ran:?}");
+    let right = noise.1.replace("sqrt(x - 4096.0)", "x * 0.5");
+    let ran = fuzz(&[("src/main.ts", text), ("src/lib/noise.ts", &right), manifest], "").expect(0);
+    assert!(ran.out.contains("2 functions run, 0 not run") && !ran.out.contains("noise.ts:2"), "{ran:?}");
+    // An element of an object, and a file of its own.
+    let host = "import * as T from 'three';\nT.Chunks[ 'ripple' ] = `\nfloat ripple(float x) { return log(x); }\n`;\n";
+    let shader = "#version 300 es\nprecision highp float;\n#include <ripple>\nin float x;\nout vec4 c;\nvoid main() { c = vec4(ripple(x)); }\n";
+    let ran = fuzz(&[("shaders/a.frag", shader), ("js/chunks.js", host), manifest], "");
+    assert!(ran.out.contains("js/chunks.js:3:") && ran.out.contains("main"), "{ran:?}");
+    let ran = fuzz(&[("shaders/a.frag", shader), ("js/chunks.js", &host.replace("ripple'", "other'")), manifest], "");
+    assert!(ran.err.contains("not found, and left out: `#include <ripple>`"), "{ran:?}");
+}

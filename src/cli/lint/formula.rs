@@ -70,7 +70,7 @@ fn title(before: f64, one: &Proposal) -> Message {
 /// The best proposal of each expression in these lines, with what the text loses at worst.
 fn proposals(path: &Path, file: &SourceFile, lines: &BTreeSet<usize>) -> anyhow::Result<Vec<(f64, Proposal)>> {
     let compose = ComposeArgs::default();
-    let reading = Given { folders: &[], defines: &[], compose: Some(&compose), entry: None, stage: None };
+    let reading = Given { folders: &[], defines: &[], compose: Some(&compose), entry: None, stage: None, chunks: None };
     let source = includes::with_includes(file, path, &reading)?;
     let written = Written::of(&source.file);
     let module = if written == Written::Wgsl { Some(source.module()?) } else { None };

@@ -25,10 +25,11 @@ use base::text::{SourceFile, Span};
 use syntax::Stage;
 use syntax::errors::Around;
 
-use crate::{Body, Embedded, HostPrograms, Lookup, ProgramSource, ShaderRef, marks};
+use crate::{Body, Embedded, HostPrograms, Literal, Lookup, ProgramSource, ShaderRef, marks};
 use code::Code;
 use program::Programs;
 use strings::Text;
+use token::Token;
 
 pub use handed::{Given, InFront, hands_on};
 pub use host_text::{HostText, host_texts};
@@ -194,6 +195,30 @@ pub fn bodies(file: &SourceFile) -> Vec<(Option<String>, Body)> {
         Some((called, body))
     })
     .collect()
+}
+
+/// The text of several lines or statements that a file keeps under a name: a variable, a member, or an element.
+pub fn kept_under(file: &SourceFile, name: &str) -> Option<Literal> {
+    let language = Language::of(file.name())?;
+    let (tokens, _) = token::tokens(file.text(), language);
+    let element = |place: Span| {
+        let own = |token: &Token<'_>| matches!(token, Token::String { place: own, .. } if own.start == place.start);
+        let at = tokens.iter().position(own)?;
+        match tokens.get(at.checked_sub(4)?..at)? {
+            [Token::Mark('['), Token::String { inner, .. }, Token::Mark(']'), Token::Mark('=')] => {
+                Some(file.slice(*inner))
+            }
+            _ => None,
+        }
+    };
+    let is_kept = |text: &Text| text.names.first().is_some_and(|own| own == name) || element(text.place) == Some(name);
+    let is_code = |text: &Text| text.literal.text.contains([';', '\n', '{']);
+    let place = |token: &Token<'_>| if let Token::String { place, .. } = token { Some(*place) } else { None };
+    let places: Vec<Span> = tokens.iter().filter_map(place).collect();
+    // One string holds what it holds; several are read as those of GLSL.
+    let whole = strings::modules(file, &tokens, &places).into_iter();
+    let mut found = whole.chain(strings::texts(file, language, &tokens));
+    found.find(|text| is_code(text) && is_kept(text)).map(|text| text.literal)
 }
 
 /// True for a text in another language, or one that is cut.
