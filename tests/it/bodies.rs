@@ -179,3 +179,15 @@ fn strings_that_host_code_keeps_are_included_by_their_names() {
     let ran = fuzz(&[("shaders/a.frag", shader), ("js/chunks.js", &host.replace("ripple'", "other'")), manifest], "");
     assert!(ran.err.contains("not found, and left out: `#include <ripple>`"), "{ran:?}");
 }
+
+#[test]
+fn words_that_a_string_defines_stand_anywhere() {
+    let text = "// shaders\nconst char* defines = R\"(\n#if defined(MOBILE)\n#define ATTRIBUTE attribute\n#define OUTPUT\n\
+        #define FRAG_OUT gl_FragColor\n#define LOW lowp\n#else\n#define ATTRIBUTE in\n#define OUTPUT out vec4 fragOut;\n\
+        #define FRAG_OUT fragOut\n#define LOW\n#endif\n)\";\nconst char* fragment = R\"(\nATTRIBUTE LOW vec4 v_colour;\nOUTPUT\n\
+        void main()\n{\n    FRAG_OUT = sqrt(v_colour - 4096.0);\n}\n)\";\n";
+    let ran = fuzz(&[("a.cpp", text)], "");
+    assert!(ran.out.contains("1 function run, 0 not run") && ran.out.contains("a.cpp:20:"), "{ran:?}");
+    let ran = fuzz(&[("a.cpp", &text.replace("sqrt(v_colour - 4096.0)", "v_colour"))], "").expect(0);
+    assert!(ran.out.contains("1 function run, 0 not run") && !ran.out.contains("a.cpp:20:"), "{ran:?}");
+}

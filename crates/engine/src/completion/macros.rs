@@ -126,7 +126,10 @@ pub(super) fn names(parse: &Parse<'_>, offers: &mut Offers<'_>) -> Option<Comple
         if fresh.is_empty() {
             break;
         }
-        let names: Vec<String> = fresh.iter().map(|(name, _)| name.clone()).collect();
+        let mut names: Vec<String> = fresh.iter().map(|(name, _)| name.clone()).collect();
+        if round == 0 {
+            names.extend(torn_by(&parsed));
+        }
         let offered = offers(&names);
         if round == 0 {
             choices = build(parse, &names, &offered);
@@ -214,6 +217,25 @@ fn improve(
     left
 }
 
+/// Words that may be macros and break the grammar where they are none: `ATTRIBUTE LOW vec4 a;`. None in a text that follows it.
+fn torn_by(parsed: &Parsed) -> Vec<String> {
+    let (shader, file) = (&parsed.shader, parsed.shader.file());
+    let mut found: Vec<String> = Vec::new();
+    if parsed.diagnostics.iter().any(|error| error.code == syntax::errors::SYNTAX) {
+        let words = |place: TokenPlace| {
+            let own = move |token: &&syntax::Token| token.kind == TokenKind::Word && token.place == place;
+            shader.tokens().iter().filter(own).map(|token| file.slice(token.span))
+        };
+        for word in words(TokenPlace::Text).filter(|word| syntax::is_macro(word)) {
+            let is_known = words(TokenPlace::Directive).any(|known| known == word);
+            if !is_known && found.iter().all(|known| known != word) {
+                found.push(word.to_owned());
+            }
+        }
+    }
+    found
+}
+
 /// What host code says of a name, each value once.
 fn taken(name: &str, offered: &[Offer]) -> Vec<Meaning> {
     let mut found: Vec<&Offer> = Vec::new();
@@ -235,7 +257,6 @@ fn build(parse: &Parse<'_>, lacking: &[String], offered: &[Offer]) -> Vec<Assume
     for offer in offered.iter().filter(|offer| offer.named == named) {
         let same = |build: &&mut Vec<&Offer>| build[0].file == offer.file && build[0].statement == offer.statement;
         match builds.iter_mut().find(same) {
-            Some(build) if build.iter().any(|known| macro_name(&known.name) == macro_name(&offer.name)) => {}
             Some(build) => build.push(offer),
             None => builds.push(vec![offer]),
         }
@@ -248,12 +269,17 @@ fn build(parse: &Parse<'_>, lacking: &[String], offered: &[Offer]) -> Vec<Assume
     builds.retain(|build| most >= least && defines(build) == most);
     builds.truncate(MOST_OPTIONS);
     let choices = |build: &[&Offer]| -> Vec<AssumedChoice> {
-        let choice = |offer: &&Offer| AssumedChoice {
-            name: macro_name(&offer.name).to_owned(),
-            options: vec![Meaning::Taken((*offer).clone())],
-            at: 0,
-        };
-        build.iter().map(choice).collect()
+        let mut all: Vec<AssumedChoice> = Vec::new();
+        for &offer in build {
+            let (name, option) = (macro_name(&offer.name), Meaning::Taken(offer.clone()));
+            match all.iter_mut().find(|choice| choice.name == name) {
+                // One string may define a name in each branch of a condition.
+                Some(choice) if choice.options.len() < MOST_OPTIONS => choice.options.push(option),
+                Some(_) => {}
+                None => all.push(AssumedChoice { name: name.to_owned(), options: vec![option], at: 0 }),
+            }
+        }
+        all
     };
     let errors_with = |build: &&Vec<&Offer>| errors(&parse(&values(&choices(build))));
     builds.iter().min_by_key(errors_with).map(|build| choices(build)).unwrap_or_default()
