@@ -191,3 +191,17 @@ fn words_that_a_string_defines_stand_anywhere() {
     let ran = fuzz(&[("a.cpp", &text.replace("sqrt(v_colour - 4096.0)", "v_colour"))], "").expect(0);
     assert!(ran.out.contains("1 function run, 0 not run") && !ran.out.contains("a.cpp:20:"), "{ran:?}");
 }
+
+#[test]
+fn memory_that_a_stage_does_without_does_not_stop_it() {
+    let text = "#version 450\nstruct View { mat4 m; };\n\
+        #define ALL(TYPE, NAME) \\\n  layout(set = 0, binding = 0) buffer Views { View views[]; } views; \\\n  \
+        layout(set = 0, binding = 1) uniform samplerCube cubes[]; \\\n  \
+        layout(set = 0, binding = 2) uniform Constants { vec4 size; TYPE NAME; };\n\
+        struct Process { float roughness; };\nALL(Process, process)\nlayout(location = 0) out vec4 c;\n\
+        void main() {\n  c = texture(cubes[0], vec3(1.0)) + vec4(sqrt(process.roughness - 4096.0));\n}\n";
+    let ran = fuzz(&[("a.frag", text)], "");
+    assert!(ran.out.contains("1 function run, 0 not run") && ran.out.contains("a.frag:11:"), "{ran:?}");
+    let ran = fuzz(&[("a.frag", &text.replace("sqrt(process.roughness - 4096.0)", "process.roughness"))], "").expect(0);
+    assert!(!ran.out.contains("a.frag:11:"), "{ran:?}");
+}

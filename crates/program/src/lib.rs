@@ -292,12 +292,7 @@ impl Program {
     /// # Errors
     /// [`ProgramError::Source`] with the places of what cannot be passed.
     pub fn check_fed(&self) -> Result<(), ProgramError> {
-        // A function alone may do without the memory of its stage.
-        let used = |m: &&memory::Memory| match self.entry {
-            Entry::Function(function) => !self.info[function][m.global].is_empty(),
-            Entry::Point(_) => true,
-        };
-        let memory = self.memory.iter().filter(used).map(|m| &m.diagnostic);
+        let memory = self.memory.iter().filter(|m| self.uses(m.global)).map(|m| &m.diagnostic);
         let all: Vec<Diagnostic> = self.unfed.iter().chain(memory).cloned().collect();
         if all.is_empty() { Ok(()) } else { Err(ProgramError::Source(all)) }
     }

@@ -48,11 +48,18 @@ impl Program {
         }
     }
 
+    /// True for a variable that is used where the program is entered: a text may declare memory that it does without.
+    pub(super) fn uses(&self, global: Handle<GlobalVariable>) -> bool {
+        let info = match self.entry {
+            Entry::Function(function) => &self.info[function],
+            Entry::Point(entry) => self.info.get_entry_point(entry),
+        };
+        !info[global].is_empty()
+    }
+
     fn fed_from_memory(mut self) -> Result<Self, ProgramError> {
-        // A function alone may do without the memory of its stage.
-        if let Entry::Function(function) = self.entry {
-            self.memory.retain(|memory| !self.info[function][memory.global].is_empty());
-        }
+        let memory = std::mem::take(&mut self.memory);
+        self.memory = memory.into_iter().filter(|memory| self.uses(memory.global)).collect();
         let alone = self.memory.iter().all(|m| !m.partial) && !self.memory.is_empty();
         let single = |b: &naga::BuiltIn| !matches!(b, naga::BuiltIn::NumWorkGroups | naga::BuiltIn::SubgroupSize);
         if !alone || !self.built_ins.iter().all(|(_, b)| single(b)) || needs_others(&self.module) {

@@ -27,6 +27,18 @@ pub(super) fn vulkan(file: &SourceFile, tokens: &[Token], version: &Version) -> 
         tokens.iter().filter(|t| t.place == TokenPlace::Text).map(|t| (t.kind, t.span)).collect();
     let word = |at: usize| active.get(at).filter(|t| t.0 == TokenKind::Word).map(|t| file.slice(t.1));
     let sign = |at: usize| active.get(at).filter(|t| t.0 == TokenKind::Punctuation).map(|t| file.slice(t.1));
+    // The body of a macro is no text yet; what stands there in a layout is nothing else.
+    let in_macro = || {
+        let macros = tokens.windows(3).filter(|three| three[1].place == TokenPlace::Directive);
+        let text = |token: &Token| file.slice(token.span);
+        let mut sets = macros.filter(|three| text(&three[1]) == "set" && text(&three[2]) == "=");
+        sets.find(|three| matches!(text(&three[0]), "(" | ",")).map(|three| three[1].span.start)
+    };
+    let extension = |start: usize| Extension {
+        name: "GL_KHR_vulkan_glsl".into(),
+        behavior: "enable".into(),
+        span: Span::at(start),
+    };
     let found = (0..active.len()).find(|&at| match word(at) {
         Some(w) if WORDS.contains(&w) => true,
         // `layout(set = 0, …)`
@@ -37,12 +49,8 @@ pub(super) fn vulkan(file: &SourceFile, tokens: &[Token], version: &Version) -> 
             word(ty).is_some_and(is_separate) && word(ty + 1).is_some()
         }
         _ => false,
-    })?;
-    Some(Extension {
-        name: "GL_KHR_vulkan_glsl".into(),
-        behavior: "enable".into(),
-        span: Span::at(active[found].1.start),
-    })
+    });
+    found.map(|found| active[found].1.start).or_else(in_macro).map(extension)
 }
 
 /// Names of the types `texture2D`, `utextureCube`, `sampler` and the like.
@@ -75,6 +83,10 @@ mod tests {
             layout(location = 0) in vec4 c;\nlayout(location = 0) out vec4 o;\n\
             void main() { o = texture(sampler2D(t, s), c.xy) + subpassLoad(depth); }\n";
         assert_eq!(errors(Stage::Fragment, fragment), [""; 0]);
+        // Macros may hold the layouts.
+        let hidden = "#version 450\n#define BLOCK(S, N, NAME) layout(set = S, binding = N) uniform U##N { vec4 v; } NAME;\n\
+            BLOCK(0, 1, u)\nvoid main() { gl_Position = u.v; }\n";
+        assert_eq!(errors(Stage::Vertex, hidden), [""; 0]);
         // The size of a workgroup alone tells as well.
         let compute = "#version 450\nlayout(local_size_x_id = 0) in;\nlayout(binding = 0) buffer B { float b[]; };\n\
             void main() { b[gl_GlobalInvocationID.x] = 0.0; }\n";
