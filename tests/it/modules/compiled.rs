@@ -272,3 +272,16 @@ fn lint_says_that_it_has_no_rules_for_a_file_and_passes_over_it_in_a_folder() {
     let ran = run_in(folder.path(), "lint .").expect(0);
     assert!(!ran.out.contains("f.hlsl") && !ran.err.contains("f.hlsl"), "{ran:?}");
 }
+
+#[test]
+fn registers_of_two_kinds_may_have_one_number() {
+    each(|compiler, language| {
+        let name = format!("f.{language}");
+        let text = "Texture2D t : register(t1);\nSamplerState s : register(s1);\ncbuffer C : register(b1) { float k; };\n\
+                    [shader(\"fragment\")]\nfloat4 main(float2 uv : TEXCOORD0) : SV_Target { return t.Sample(s, uv) * sqrt(k); }\n";
+        let folder = folder(&[(name.as_str(), text.as_bytes())]);
+        let ran = with(compiler, folder.path(), &format!("fuzz {name} --lane embedded --samples 256"));
+        assert!(ran.out.contains("1 function run, 0 not run"), "{compiler}: {}{}", ran.out, ran.err);
+        assert!(ran.out.contains("sqrt(-"), "{compiler}: {}", ran.out);
+    });
+}

@@ -19,16 +19,13 @@ impl Dispatched {
     /// True where it takes place because numbers were guessed that do not fit together.
     pub(super) fn is_doubtful(&self, met: &Met, lengths: &[Length]) -> bool {
         let incident = &met.incident;
-        let storage = incident.memory.and_then(|k| self.executable.memories().get(k as usize));
-        let storage = storage.is_some_and(|shape| matches!(shape.space, Space::Storage { .. }));
+        let shape = incident.memory.and_then(|k| self.executable.memories().get(k as usize));
+        let storage = shape.is_some_and(|shape| matches!(shape.space, Space::Storage { .. }));
         if !storage || !matches!(incident.what, Wrong::Race | Wrong::Outside) {
             return false;
         }
         let sources = self.depends.of(incident.who.site);
-        if matches!(met.length, Some(Length::Unknown(_)))
-            && incident.what == Wrong::Outside
-            && self.is_by_settings(sources)
-        {
+        if met.is_of_unknown_length(shape) && incident.what == Wrong::Outside && self.is_by_settings(sources) {
             return !self.is_met_with_all_numbers(incident, lengths);
         }
         if met.degenerate && self.is_by_settings(self.depends.of(incident.who.site)) {

@@ -1,6 +1,6 @@
 //! Plays scenarios and collects what went wrong.
 
-use program::interp::group::{Access, Incident, Outcome, Space, Wrong};
+use program::interp::group::{Access, Incident, MemoryShape, Outcome, Space, Wrong};
 use program::interp::{Finding as Hazard, HazardKind};
 
 use super::Dispatched;
@@ -52,6 +52,11 @@ pub(super) struct Met {
 }
 
 impl Met {
+    /// True for an array whose length nobody knows: an index is outside in front of it alone.
+    pub fn is_of_unknown_length(&self, shape: Option<&MemoryShape>) -> bool {
+        shape.is_some_and(MemoryShape::is_open) && matches!(self.length, Some(Length::Unknown(_)))
+    }
+
     /// True where one fault is likelier than two: an invocation goes outside at one index of several arrays or in several
     /// places, and invocations meet in one memory.
     fn has_same_cause(&self, other: &Self) -> bool {

@@ -198,12 +198,10 @@ impl Dispatched {
                         "{who} {does} `{name}` at coordinate {index}, outside of its {len} texels along this axis{guard}"
                     );
                 }
-                match met.length {
-                    Some(Length::Unknown(_)) => {
-                        format!("{who} {does} `{name}` at index {index}, in front of its first element")
-                    }
-                    _ => format!("{who} {does} `{name}` at index {index}, outside of its {len} elements"),
+                if met.is_of_unknown_length(shape) {
+                    return format!("{who} {does} `{name}` at index {index}, in front of its first element");
                 }
+                format!("{who} {does} `{name}` at index {index}, outside of its {len} elements")
             }
             (Wrong::Race, Some(other)) => {
                 let ordered = if other.group == incident.who.group {

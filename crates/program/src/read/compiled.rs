@@ -7,7 +7,7 @@ use naga::{AddressSpace, Module};
 
 use super::lines::{At, Goes, Lines, kept, renamed};
 use super::outline::{Head, Outline};
-use super::{ModuleText, Written, digits, rows, spirv};
+use super::{ModuleText, Written, digits, registers, rows, spirv};
 use crate::ProgramError;
 use crate::capabilities::{instructions, known_to_reader};
 use crate::front::UNSUPPORTED;
@@ -110,7 +110,7 @@ fn one(
         ProgramError::Source(vec![found.at_origin()])
     })?;
     let (names, functions) = names(&lines, &sources, outline);
-    let words = renamed(&words, &names);
+    let words = registers::apart(renamed(&words, &names));
     let file = sources.file.clone();
     // Instructions that were put in have no place; they stand in front of all functions.
     let added = instructions(&words).count().saturating_sub(places.len());

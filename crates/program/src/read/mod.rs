@@ -21,6 +21,7 @@ mod outline;
 mod ports;
 mod program;
 mod ranges;
+mod registers;
 mod rows;
 mod sampled;
 mod spirv;

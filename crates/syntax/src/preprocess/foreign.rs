@@ -40,6 +40,10 @@ impl Preprocessor<'_> {
 
     /// Tells of the first hole, and keeps those of directives, which decide over what is read.
     pub(super) fn holes_of(&mut self, line: &[Piece], directive: bool) {
+        // What a compiler does not know behind `#pragma` it leaves alone (GLSL 4.60, 3.3).
+        if directive && line.get(1).is_some_and(|p| self.sink.file.slice(p.span) == "pragma") {
+            return;
+        }
         let Some(hole) = line.iter().find(|p| p.lex == Lex::Hole).filter(|_| self.active()) else { return };
         if self.sink.holes.is_empty() {
             let shown: String = self.sink.file.slice(hole.span).chars().take(24).collect();

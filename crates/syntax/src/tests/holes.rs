@@ -89,6 +89,7 @@ fn a_hole_in_front_may_be_nothing() {
 #[test]
 fn what_the_language_has_is_no_hole() {
     for text in [
+        "#pragma glslify: g = require(@own/lib/g);\nfloat f(float x) { return x; }",
         "int f(int a, int b, int c) { return a%b%c + a % b %c; }",
         "float f(float a[2], int b[2], int c[2]) { return a[b[c[0]]]; }",
         "struct S { float a[2]; }; float f(float x) { S s = {{x, 2.0}}; S t[1] = {{{x, x}}}; return s.a[0] + t[0].a[0]; }",
