@@ -278,7 +278,7 @@ fn registers_of_two_kinds_may_have_one_number() {
     each(|compiler, language| {
         let name = format!("f.{language}");
         let text = "Texture2D t : register(t1);\nSamplerState s : register(s1);\ncbuffer C : register(b1) { float k; };\n\
-                    [shader(\"fragment\")]\nfloat4 main(float2 uv : TEXCOORD0) : SV_Target { return t.Sample(s, uv) * sqrt(k); }\n";
+                    float4 main(float2 uv : TEXCOORD0) : SV_Target { return t.Sample(s, uv) * sqrt(k); }\n";
         let folder = folder(&[(name.as_str(), text.as_bytes())]);
         let ran = with(compiler, folder.path(), &format!("fuzz {name} --lane embedded --samples 256"));
         assert!(ran.out.contains("1 function run, 0 not run"), "{compiler}: {}{}", ran.out, ran.err);
