@@ -84,7 +84,8 @@ fn name(called: &str, code: &str) -> String {
         && !called.starts_with("gl_")
         && !syntax::is_keyword(called);
     let mut name = if is_name { called.to_owned() } else { "body".to_owned() };
-    while marks::has_word(code, &name) || syntax::is_builtin_function(&parsed("").shader, &name) {
+    let language = parsed("").shader;
+    while marks::has_word(code, &name) || syntax::is_builtin_function(&language, &name) {
         name.push_str("Body");
     }
     name

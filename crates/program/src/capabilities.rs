@@ -1,7 +1,7 @@
 //! Capabilities of a SPIR-V module that its writer leaves out.
 
 /// Words before the first instruction (SPIR-V 1.6, 2.3).
-const HEADER: usize = 5;
+pub(super) const HEADER: usize = 5;
 const OP_EXTENSION: u32 = 10;
 const OP_CAPABILITY: u32 = 17;
 const OP_DECORATE: u32 = 71;

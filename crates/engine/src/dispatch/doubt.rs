@@ -28,7 +28,7 @@ impl Dispatched {
         if met.is_of_unknown_length(shape) && incident.what == Wrong::Outside && self.is_by_settings(sources) {
             return !self.is_met_with_all_numbers(incident, lengths);
         }
-        if met.degenerate && self.is_by_settings(self.depends.of(incident.who.site)) {
+        if met.degenerate && self.is_by_settings(sources) {
             return true;
         }
         self.is_by_packed_numbers(incident) || (incident.what == Wrong::Race && !self.is_with_whole_tiles(met, lengths))

@@ -54,7 +54,7 @@ pub(super) struct Met {
 impl Met {
     /// True for an array whose length nobody knows: an index is outside in front of it alone.
     pub fn is_of_unknown_length(&self, shape: Option<&MemoryShape>) -> bool {
-        shape.is_some_and(MemoryShape::is_open) && matches!(self.length, Some(Length::Unknown(_)))
+        is_of_unknown_length(shape, self.length)
     }
 
     /// True where one fault is likelier than two: an invocation goes outside at one index of several arrays or in several
@@ -80,6 +80,10 @@ impl Met {
             Wrong::Divergence | Wrong::Apart | Wrong::NotANumber => false,
         }
     }
+}
+
+fn is_of_unknown_length(shape: Option<&MemoryShape>, length: Option<Length>) -> bool {
+    shape.is_some_and(MemoryShape::is_open) && matches!(length, Some(Length::Unknown(_)))
 }
 
 /// What a dispatch says of all that is met in it.
@@ -266,10 +270,10 @@ pub(super) fn note(
     said: Said,
     lengths: &[Length],
 ) {
-    let open = |k: u32| subject.executable.memories().get(k as usize).is_some_and(|shape| shape.is_open());
-    let unknown = |k: u32| open(k) && matches!(lengths.get(k as usize), Some(Length::Unknown(_)));
+    let shape = incident.memory.and_then(|k| subject.executable.memories().get(k as usize));
+    let length = incident.memory.and_then(|k| lengths.get(k as usize).copied());
     // Of an array whose length nobody knows, an index is outside in front of it alone.
-    if incident.what == Wrong::Outside && incident.memory.is_some_and(unknown) && !incident.is_in_front() {
+    if incident.what == Wrong::Outside && is_of_unknown_length(shape, length) && !incident.is_in_front() {
         return;
     }
     if incident.what == Wrong::LostUpdate && !subject.loses_updates(&incident) {
@@ -282,7 +286,6 @@ pub(super) fn note(
             own.degenerate &= said.degenerate;
         }
         None => {
-            let length = incident.memory.and_then(|k| lengths.get(k as usize).copied());
             let guarded = incident.count < scenario.surplus;
             let (Said { harmless, degenerate }, scenario) = (said, scenario.clone());
             met.push(Met { incident, scenario, length, guarded, harmless, degenerate, doubtful: false });

@@ -3,8 +3,8 @@
 
 use std::collections::{HashMap, HashSet};
 
-/// Words before the first instruction (SPIR-V 1.6, 2.3).
-const HEADER: usize = 5;
+use crate::capabilities::{HEADER, instructions};
+
 /// `OpDecorate` with one word behind the decoration.
 const DECORATE: u32 = 4 << 16 | 71;
 /// Decorations (SPIR-V 1.6, 3.20).
@@ -18,15 +18,15 @@ pub(super) fn apart(mut words: Vec<u32>) -> Vec<u32> {
     // By the resource, and where its number stands.
     let mut bound: Vec<(u32, usize)> = Vec::new();
     let mut at = HEADER;
-    while let Some(&first) = words.get(at) {
-        match words.get(at..at + 4) {
-            Some(&[DECORATE, id, SET, set]) => {
+    for instruction in instructions(&words) {
+        match *instruction {
+            [DECORATE, id, SET, set] => {
                 sets.insert(id, set);
             }
-            Some(&[DECORATE, id, BINDING, _]) => bound.push((id, at + 3)),
+            [DECORATE, id, BINDING, _] => bound.push((id, at + 3)),
             _ => {}
         }
-        at += ((first >> 16) as usize).max(1);
+        at += instruction.len();
     }
     let place = |id: &u32, number: u32| (sets.get(id).copied().unwrap_or_default(), number);
     let mut given: HashSet<(u32, u32)> = bound.iter().map(|(id, at)| place(id, words[*at])).collect();
